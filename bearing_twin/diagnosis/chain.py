@@ -368,7 +368,7 @@ class Analysis:
         asked = settings.power_group and settings.mounting and not window.severity.iso_zone
         slow = (_NO_ZONE,) if asked and self.shaft_hz < SLOW_HZ else ()
         return report(
-            replace(verdict, reasons=(*verdict.reasons, *slow)) if slow else verdict,
+            verdict._replace(reasons=(*verdict.reasons, *slow)),
             window if speed is window.speed else replace(window, speed=speed),
             taken,
             excerpt.bearing,

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 import math
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.combs.comb_sums import best_bands, comb_bands, comb_sums
 from bearing_twin.diagnosis.signal.lines import nearest_row
@@ -168,8 +168,7 @@ def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
     return replace(newest, logs=logs, excess=excess, weight=float(len(windows)))
 
 
-@dataclass(frozen=True)
-class CombScores:
+class CombScores(NamedTuple):
     """Scores of all combs of a grid of fundamental orders, and the null they are judged by."""
 
     grid: NDArray[np.float64]
@@ -253,7 +252,7 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     best_center, best_upper = (float(q) for q in quantiles(best))
     best_spread = max(best_upper - best_center, 1e-3)
     z = (best - best_center) / best_spread
-    return replace(plain, z=z, best_center=best_center, best_spread=best_spread)
+    return plain._replace(z=z, best_center=best_center, best_spread=best_spread)
 
 
 @compiled(borrows=True)

@@ -66,7 +66,8 @@ class Source:
     def same(self, other: Source) -> bool:
         """Whether levels of both are comparable."""
         near = abs(self.sample_rate - other.sample_rate) <= _SAME_RATE * self.sample_rate
-        return near and replace(self, sample_rate=other.sample_rate) == other
+        named = (self.sensor, self.bearing, self.unit)
+        return near and named == (other.sensor, other.bearing, other.unit)
 
     def __str__(self) -> str:
         """Return it for a message."""

@@ -20,7 +20,6 @@ rule touches:
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
@@ -120,7 +119,7 @@ def answer(evidence: Evidence) -> Verdict:
         verdict = rule.apply(evidence)
         if verdict is not None:
             result = verdict.faults[0] if rule.answer == 'its place' else rule.answer
-            verdict = replace(verdict, result=result, rule=rule.name)
+            verdict = verdict._replace(result=result, rule=rule.name)
             slip = _unlikely_slip(verdict)
             if not slip:
                 return verdict
@@ -128,7 +127,7 @@ def answer(evidence: Evidence) -> Verdict:
                 f'it needs a slip of {100.0 * slip:.1f} %: no alarm, as a bearing under load '
                 'slips by less; check bearing and speed'
             )
-            return replace(verdict, level='suspect', reasons=(*verdict.reasons, text))
+            return verdict._replace(level='suspect', reasons=(*verdict.reasons, text))
     raise AssertionError('the last rule applies to any evidence')
 
 
@@ -150,7 +149,7 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     comb = least_or_most(named, key=lambda c: c.z, default=highest_comb(evidence.heard))
     at_most = min(rule.at_most, DOUBTED) if _unlikely_slip(verdict) else rule.at_most
     known = {'rule': rule.name, 'at_most': at_most}
-    return replace(verdict, trust=Trust.on(evidence, comb, verdict.candidates, **known))
+    return verdict._replace(trust=Trust.on(evidence, comb, verdict.candidates, **known))
 
 
 def _unlikely_slip(verdict: Verdict) -> float:

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.rules.confidence import confidence, Trust
@@ -34,22 +33,21 @@ def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
     return max(shown, key=lambda c: c.z, default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Verdict:
+class Verdict(NamedTuple):
     """The decision on one window or on the mean of several."""
 
+    level: str
+    reasons: tuple[str, ...]
+    candidates: dict[str, Candidate]
     result: str = ''
     """Answer of the rule that decided; '' until
     :func:`bearing_twin.diagnosis.rules.table.decide`."""
-    level: str
     faults: tuple[str, ...] = ()
-    reasons: tuple[str, ...]
-    candidates: dict[str, Candidate]
     strongest: Candidate | None = None
     """The comb that the verdict is about; None where it is about none."""
     rule: str = ''
     """Name of the rule that decided."""
-    trust: Trust = field(default_factory=Trust)
+    trust: Trust = Trust()
     """What the confidence rests on."""
 
     @property
