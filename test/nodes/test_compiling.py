@@ -63,7 +63,8 @@ def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
 
 def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
     script = (
-        'from bearing_twin.dynamics import kernel, preset, simulator, warm_up\n'
+        'from bearing_twin.dynamics import preset, warm_up\n'
+        'from bearing_twin.dynamics.single import kernel, simulator\n'
         'warm_up()\n'
         "twin = simulator.Simulator(preset('paper', thermal_mode='physical'))\n"
         'known = len(kernel.advance.signatures) + len(simulator._advance.signatures)\n'
