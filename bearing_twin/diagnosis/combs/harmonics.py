@@ -86,15 +86,16 @@ def line_heights(
 def missing_harmonics(
     spectra: OrderSpectra,
     order: float,
-    bands: Callable[[float], NDArray[np.intp]],
+    columns: NDArray[np.intp],
+    clear: Callable[[float], NDArray[np.intp]],
     hidden: NDArray[np.bool_],
 ) -> int:
     """
     Multiple of ``order`` at which the true fundamental lies, 1 if that is ``order`` itself.
 
     Only the second and fourth harmonic show, or only the third, or only the fourth: the comb
-    belongs to a series of that multiple, or of a fraction of it. This is looked at in the bands in
-    which that series is highest. Those in which the comb is highest are those in which noise is
+    belongs to a series of that multiple, or of a fraction of it. This is looked at in all bands in
+    which that series is clear. Those in which the comb is highest are those in which noise is
     high where its harmonics are missing: there they need only be less than half as high.
 
     Parameters
@@ -103,26 +104,28 @@ def missing_harmonics(
         Envelope spectra.
     order
         Fundamental of the comb.
-    bands
-        Columns of the bands in which the comb of an order is highest, one of each whitening.
+    columns
+        Bands in which the comb is highest, one of each whitening.
+    clear
+        Returns the bands in which the comb of an order is clear.
     hidden
         (K,) mask of the bins that are not to be used.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(6.14 * np.arange(1, 4))
-    >>> nothing = np.zeros(2000, bool)
-    >>> missing_harmonics(spectra, 3.07, lambda order: np.array([0]), nothing)
+    >>> nothing, band = np.zeros(2000, bool), np.array([0])
+    >>> missing_harmonics(spectra, 3.07, band, lambda order: band, nothing)
     2
-    >>> missing_harmonics(spectra, 6.14, lambda order: np.array([0]), nothing)
+    >>> missing_harmonics(spectra, 6.14, band, lambda order: band, nothing)
     1
 
     """
-    unshared = _unshared(spectra, order, bands(order), hidden)
+    unshared = _unshared(spectra, order, columns, hidden)
     for multiple in range(HARMONICS, 1, -1):
         if (
             unshared[multiple - 1] < _SHARE
-            and unshared_height(spectra, order, multiple, bands(multiple * order), hidden)
+            and unshared_height(spectra, order, multiple, clear(multiple * order), hidden)
             < MISSING
         ):
             return multiple
@@ -146,7 +149,7 @@ def unshared_height(
     multiple
         Of the order: where the fundamental of the series lies.
     columns
-        Bands, one of each whitening.
+        Bands.
 
     Returns
     -------

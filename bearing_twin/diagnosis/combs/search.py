@@ -496,10 +496,18 @@ class CombSearch:
             _, self._columns[order] = self._scores.bands(self._all, order)
         return self._columns[order]
 
+    def clear_columns(self, order: float) -> NDArray[np.intp]:
+        """Bands in which the comb at an order is about as high as in the highest."""
+        scores, highest = self._scores.bands(self._all, order)
+        parts = np.split(scores, len(highest))
+        shown = [part >= min(part.max(), part.max() / RIVAL) for part in parts]
+        return np.flatnonzero(np.concatenate(shown))
+
     def _multiple(self, order: float) -> int:
         """Multiple of an order at which the true fundamental of its comb lies."""
         if order not in self._multiples:
-            found = missing_harmonics(self._all, order, self.columns, self._silent)
+            columns = self.columns(order)
+            found = missing_harmonics(self._all, order, columns, self.clear_columns, self._silent)
             self._multiples[order] = found
         return self._multiples[order]
 

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Strikes that come from elsewhere, whose harmonics lie where a fault's would."""
 
+from dataclasses import replace
+
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.combs.candidate import Candidate
@@ -115,7 +117,7 @@ def test_comb_of_its_own_is_seldom_denied(rng):
     for _ in range(400):
         order = rng.uniform(2.5, 6.5)
         spectra = _spectra(rng, order * np.arange(1, 5))
-        denied += missing_harmonics(spectra, order, lambda _: COLUMNS, nothing) > 1
+        denied += missing_harmonics(spectra, order, COLUMNS, lambda _: COLUMNS, nothing) > 1
         denied += denser_series(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002) > 0.0
     assert denied <= 8
 
@@ -137,7 +139,7 @@ def test_missing_harmonics_tell_the_true_order(rng):
     nothing = np.zeros(3000, bool)
     for multiple in (2, 3, 4):
         spectra = _spectra(rng, 4.57 * multiple * np.arange(1, 3), 100.0)
-        found = missing_harmonics(spectra, 4.57, lambda _: COLUMNS, nothing)
+        found = missing_harmonics(spectra, 4.57, COLUMNS, lambda _: COLUMNS, nothing)
         assert found > 1
         assert found % multiple == 0
 
@@ -159,11 +161,23 @@ def test_harmonics_are_missed_where_their_series_is_highest(rng):
 
     assert highest(order) == 18
     assert highest(2.0 * order) != 18
-    assert missing_harmonics(spectra, order, highest, nothing) == 2
+    assert missing_harmonics(spectra, order, highest(order), highest, nothing) == 2
+    # Where both are highest in the same band the others in which the series is clear tell.
+    loud = replace(spectra, logs=spectra.logs.copy())
+    loud.logs[rows[1::2], 18] = 4.1 + NEUTRAL
+
+    def same(_):
+        return np.array([18])
+
+    def clear(_):
+        return np.arange(bands)
+
+    assert missing_harmonics(loud, order, same(order), same, nothing) == 1
+    assert missing_harmonics(loud, order, same(order), clear, nothing) == 2
     # A fault has them all; pulses at twice its order in another band do not hide it.
     heights[rows, 18] = 4.5 + NEUTRAL
     fault = OrderSpectra(0.01, heights.astype(np.float32), spectra.excess, blank)
-    assert missing_harmonics(fault, order, highest, nothing) == 1
+    assert missing_harmonics(fault, order, highest(order), highest, nothing) == 1
 
 
 def test_comb_beside_the_shaft_needs_to_stand_out(rng):
