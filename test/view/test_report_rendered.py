@@ -92,15 +92,17 @@ def sheets(pdf):
     return len(re.findall(rb'/Type\s*/Page\b', pdf))
 
 
-def test_a_fleet_prints_all_machines_on_a_sheet_and_the_two_most_urgent(recording, tmp_path):
-    begin = next(read_messages(recording)).log_time
+def test_a_fleet_prints_all_machines_on_a_sheet_and_the_two_most_urgent(scheduled, tmp_path):
+    fleet = {'abcd': scheduled(defect='none'), 'efgh': scheduled(defect='inner')}
     with RecordingWriter(tmp_path / 'fleet') as writer:
-        for message in read_messages(recording, end=begin + 12_000_000_000):
-            for name in 'abcdefgh':
-                put(writer, message, f'/line1/{name}{message.topic}')
+        for names, recording in fleet.items():
+            begin = next(read_messages(recording)).log_time
+            for message in read_messages(recording, end=begin + 12_000_000_000):
+                for name in names:
+                    put(writer, message, f'/line1/{name}{message.topic}')
     page = report_page(tmp_path / 'fleet')
     main = re.sub(r'<section class="appendix">.*</section>', '', page, flags=re.DOTALL)
     assert sheets(pdf_of(main)) == 1 + 2 * 2
     overview = re.search(r'<section class="overview">.*?</section>', page, re.DOTALL)[0]
-    assert re.findall(r'<a href="#m\d">(.*?)</a>', overview) == [f'/line1/{n}' for n in 'abcdefgh']
+    assert re.findall(r'<a href="#m\d">(.*?)</a>', overview) == [f'/line1/{n}' for n in 'efghabcd']
     assert measured(page, 390)['width'] <= 390
