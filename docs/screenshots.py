@@ -30,13 +30,14 @@ from bearing_twin.offline.output import decode
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.writer import whole_recording
+from bearing_twin.ros.domain import own_domain, server_port
 from bearing_twin.ros.launching import local_environment, NodeProcesses
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.pacer import Due
 from bearing_twin.view.report.page import report_page
 from bearing_twin.view.report.pdf import browse
 from bearing_twin.view.rerun.opening import draw_recordings
-from bearing_twin.view.rerun.viewer import free_port, HeadlessViewer, LOOPBACK
+from bearing_twin.view.rerun.viewer import HeadlessViewer, LOOPBACK
 from PIL import Image
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Temperature
@@ -80,9 +81,11 @@ def take(
 
 def live(folder: Path) -> None:
     """Take the picture of nodes that run, as a viewer that comes late sees them."""
-    port = free_port()
-    environment = local_environment(1 + os.getpid() % 100)
-    with NodeProcesses(folder / 'logs', environment) as nodes:
+    with (
+        own_domain(os.getpid()) as domain,
+        NodeProcesses(folder / 'logs', local_environment(domain)) as nodes,
+    ):
+        port = server_port(domain)
         nodes.start('recorder', {'output': str(folder / 'bag'), 'rerun_port': port})
         nodes.start('diagnosis', {'bearing': '6307'})
         nodes.start('twin', {'bearing': '6307', 'defect': 'outer'})

@@ -107,6 +107,19 @@ def own_domain(first: int, listen: float = LISTEN) -> Iterator[int]:
     raise BearingTwinError(msg)
 
 
+def server_port(domain: int) -> int:
+    """
+    Return a port of a domain that no participant takes, for a server of whoever has claimed it.
+
+    Examples
+    --------
+    >>> server_port(1)
+    7899
+
+    """
+    return _port(domain + 1) - 1
+
+
 def _port(domain: int) -> int:
     return FIRST_PORT + PORTS_A_DOMAIN * domain
 

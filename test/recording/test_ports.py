@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.domain import FIRST_PORT, PORTS_A_DOMAIN
+from bearing_twin.ros.domain import server_port
 from bearing_twin.ros.fastdds import OLDER, PROFILES
 from bearing_twin.ros.launching import NodeProcesses
 import psutil
@@ -26,8 +26,7 @@ def test_with_the_profile_every_port_is_bound_to_this_machine(
     ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(PROFILES[OLDER], str(Path(__file__).parents[2] / 'config' / PROFILE))
-    # No participant takes it, and nobody else while the test has the domain.
-    port = FIRST_PORT + PORTS_A_DOMAIN * (ros_domain + 1) - 1
+    port = server_port(ros_domain)
     with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag'), 'rerun_port': port})
         source.wait_for_recorder()
