@@ -130,7 +130,7 @@ def test_record_of_a_year_stays_small_and_is_resumed_to_the_bit():
     for broken in (
         {'rows': [[1.0]]}, {'span': 0}, {'rows': [[60.0, 4.0, math.nan]]}, {'new': 1}, {'rows': 3},
     ):  # fmt: skip
-        with pytest.raises(BearingTwinError, match='use what save|of another version'):
+        with pytest.raises(BearingTwinError, match=r'use what save|of another version'):
             restored(HealthyRecord, vars(record) | broken)
 
 
