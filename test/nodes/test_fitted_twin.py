@@ -284,9 +284,9 @@ def test_a_recording_of_a_twin_that_took_one_is_verified(nodes, probe, calibrati
     nodes.start('twin', given | {'state_directory': str(tmp_path / 'states')} | DEEP)
     probe.until(lambda: len(blocks) > 30, 'vibration')
     assert probe.set_parameters('twin', calibration='none.json')[0] is False
+    assert probe.set_parameters('twin', calibration='pump.json') == (True, '')
     # A recorder that was slow to find the twin has the checkpoints from here on.
     change = len(blocks)
-    assert probe.set_parameters('twin', calibration='pump.json') == (True, '')
     probe.until(lambda: blocks[-1].unit == 'g', 'the unit of the machine')
     probe.until(
         lambda: 'distance_db' in probe.statuses.get('twin: calibration', ('', '', {}))[2],
