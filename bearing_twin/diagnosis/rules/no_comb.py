@@ -88,7 +88,7 @@ def two_faint_places(e: Evidence) -> Verdict | None:
 
 @rule(
     'insufficient',
-    'Of machines with such combs more are damaged than sound.',
+    'Of machines with such combs hardly more are sound than damaged, or fewer.',
     faint=True,
     nothing_shows=True,
 )
