@@ -148,8 +148,8 @@ class CalibrationNode(ManagedNode):
         try:
             self._running = (task, self._worker.submit(task))
             self._began = time.monotonic()
-        except OSError:
-            # Its process is made here: the machine may have no room for one.
+        except (OSError, RuntimeError):
+            # Its process is made here: the machine may have no room for one, or for a thread.
             self._say_killed()
 
     def _say_killed(self) -> None:

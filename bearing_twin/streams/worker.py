@@ -86,6 +86,7 @@ class Worker(Generic[Task, Answer]):
         """End the process, and the task that it does."""
         if self._process is not None:
             self._process.terminate()
+            self._process = None
 
 
 def _hand_over(pipe: Connection, turn: threading.Lock, task: Any, future: Future[Any]) -> None:
@@ -112,14 +113,22 @@ def _serve(pipe: Connection, owner: int, work: Callable[[Any], Any], niceness: i
     # The owner has gone where nothing more can be received or sent.
     with contextlib.suppress(EOFError, BrokenPipeError):
         while True:
-            pipe.send(_done(work, pipe.recv()))
+            _answer(pipe, work, pipe.recv())
 
 
-def _done(work: Callable[[Any], Any], task: Any) -> tuple[Any, Exception | None]:
+def _answer(pipe: Connection, work: Callable[[Any], Any], task: Any) -> None:
+    done: tuple[Any, Exception | None]
     try:
-        return work(task), None
+        done = work(task), None
     except Exception as error:
-        return None, error
+        done = None, error
+    try:
+        pipe.send(done)
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        # What cannot be pickled has not been sent in part.
+        pipe.send((None, TypeError(f'{done[1] or done[0]!r:.200} cannot be sent: {error}')))
 
 
 def _end_with(owner: int) -> None:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import os
 import signal
+import threading
 import time
 
 from bearing_twin.streams.worker import Worker
@@ -45,6 +46,11 @@ def test_what_the_work_raises_is_raised_and_does_not_end_it(worker):
     with pytest.raises((TypeError, AttributeError), match='pickle'):
         number.submit(lambda: None).result(60.0)
     assert number.submit('7').result(60.0) == 7
+    locks = worker(threading.Semaphore)
+    with pytest.raises(TypeError, match=r'Semaphore.* cannot be sent: .*pickle'):
+        locks.submit(1).result(60.0)
+    with pytest.raises(ValueError, match='initial value'):
+        locks.submit(-1).result(60.0)
 
 
 def test_a_killed_process_is_told_and_replaced(worker):
@@ -58,6 +64,8 @@ def test_a_killed_process_is_told_and_replaced(worker):
     first.join(60.0)
     assert sleeper.submit(0.0).result(60.0) is None
     assert sleeper._process.pid != first.pid
+    sleeper.end()
+    assert sleeper.submit(0.0).result(60.0) is None
 
 
 @pytest.mark.parametrize('wait', ['0', "worker.submit(b'1').result()"], ids=['at once', 'later'])
