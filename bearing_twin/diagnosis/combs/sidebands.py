@@ -50,8 +50,7 @@ def modulation_index(
         spectra.excess, spectra.quiet, order, spectra.step, HARMONICS, band_scores,
         spectra.carrier, lowest, power,
     )  # fmt: skip
-    # A line spreads over three bins of the Hann window, whose noise bandwidth is 1.5 bins.
-    return 2.0 * math.sqrt(float(power[band]) / HANN_BINS), band
+    return _index(power[band]), band
 
 
 def comb_powers(
@@ -81,7 +80,12 @@ def comb_index(spectra: OrderSpectra, order: float) -> float:
     3.27
 
     """
-    return 2.0 * math.sqrt(float(comb_powers(spectra, np.array([order]), 0)[0]) / HANN_BINS)
+    return _index(comb_powers(spectra, np.array([order]), 0)[0])
+
+
+def _index(power: np.float32) -> float:
+    """Modulation index of lines of so much relative power together."""
+    return 2.0 * math.sqrt(float(power) / HANN_BINS)
 
 
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
