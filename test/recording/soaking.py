@@ -139,7 +139,7 @@ class _Clock:
         self._context.shutdown()
 
     def wait_for(self, statuses: set[str], said: str = '') -> None:
-        """Let the clock stand still until the nodes have reported anew, and said so."""
+        """Let the clock stand still until each node has reported again, with these words in it."""
         self.statuses.clear()
         end = time.monotonic() + 120.0
         while missing := {
