@@ -336,9 +336,9 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun import outlet
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.viewer import listening, LOOPBACK
+from std_msgs.msg import String
 
-# The buffers of Rerun alone take six minutes of samples; ours shall not double that.
-outlet.WAITING = 200
+outlet.WAITING = 10
 messages = [
     (m.topic, m.type_name, m.decode(), m.log_time)
     for m in read_messages(Path(sys.argv[1]), topics=['/vibration'])
@@ -364,6 +364,11 @@ def watch():
         time.sleep(0.001)
         held_up = max(held_up, time.perf_counter() - before)
 threading.Thread(target=watch, daemon=True).start()
+# The buffers of Rerun alone take six minutes of samples, and it lets a viewer go that has not read
+# for 20 s: long texts fill them before that.
+text = String(data=os.urandom(2_000_000).hex())
+for time_ns in range(200):
+    logger.log('/text', 'std_msgs/msg/String', text, time_ns)
 longest, calls = 0.0, len(messages)
 while logger.dropped < 100 and calls < 40_000:
     for message in messages:
