@@ -66,6 +66,21 @@ DIAGNOSIS = (
 )
 """The same for the rooms of the diagnosis and the files beside them."""
 
+RERUN = (
+    'timebase',
+    'ending',
+    'outlet',
+    'canvas',
+    'pictures',
+    'scene',
+    'views',
+    'blueprint',
+    'logger',
+    'opening',
+    'viewer',
+)
+"""The same for the room of Rerun within the view, of which the pictures are a room."""
+
 CORE = ('numerics', 'bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration', 'paper')
 
 MIDDLEWARE = ('rclpy', 'mcap', 'rerun', 'rosbags', 'bearing_twin_msgs', 'sensor_msgs')
@@ -129,11 +144,14 @@ def test_files_beside_the_rooms_import_no_room_unless_they_start_it():
             assert not {name.split('.')[1] for name in names} & {*ROOMS}, path
 
 
-@pytest.mark.parametrize(('room', 'rooms'), [('dynamics', DYNAMICS), ('diagnosis', DIAGNOSIS)])
+@pytest.mark.parametrize(
+    ('room', 'rooms'),
+    [('dynamics', DYNAMICS), ('diagnosis', DIAGNOSIS), ('view/rerun', RERUN)],
+)
 def test_a_room_within_a_room_imports_only_those_before_it(room, rooms):
     # Its head names what others import of it.
     for path in set((PACKAGE / room).rglob('*.py')) - {PACKAGE / room / '__init__.py'}:
-        assert_order(path, rooms, ('bearing_twin', room))
+        assert_order(path, rooms, ('bearing_twin', *room.split('/')))
 
 
 def edges():

@@ -16,9 +16,9 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.vibration_input import VibrationBlock
 from bearing_twin.view.report.data import Machine
 from bearing_twin.view.report.plots import appended_figures, figures
-from bearing_twin.view.rerun.calibration import CalibrationPicture
 from bearing_twin.view.rerun.canvas import Canvas
-from bearing_twin.view.rerun.picture import Asset
+from bearing_twin.view.rerun.pictures.calibration import CalibrationPicture
+from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.timebase import Timebase
 import numpy as np
 from probe import check_complete, DEEP

@@ -14,16 +14,16 @@ from bearing_twin.recording.schedule import START
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.streams.vibration_input import SOURCE_SIMULATED
-from bearing_twin.view.rerun.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
-from bearing_twin.view.rerun.picture import Asset
-from bearing_twin.view.rerun.spectra import SpectrumBars, vector
-from bearing_twin.view.rerun.spectrogram import COLUMNS, Spectrogram
-from bearing_twin.view.rerun.texts import parameter_tables
+from bearing_twin.view.rerun.pictures.bearing3d import contact_forces, SLOWED
+from bearing_twin.view.rerun.pictures.picture import Asset
+from bearing_twin.view.rerun.pictures.spectra import SpectrumBars, vector
+from bearing_twin.view.rerun.pictures.spectrogram import COLUMNS, Spectrogram
+from bearing_twin.view.rerun.pictures.texts import parameter_tables
+from bearing_twin.view.rerun.pictures.waveform import extremes
 from bearing_twin.view.rerun.timebase import Timebase
-from bearing_twin.view.rerun.waveform import extremes
 from bearing_twin.view.spectrum import ENVELOPE
 from copies import raw_recording
 from drawn import columns, SECOND, stamp, VIBRATION, view_names

@@ -22,7 +22,7 @@ What follows the power 1.5 and not `contact_law`:
 - `life.equivalent_load`, `calibration.passage` and `calibration.estimates`: closed formulas for
   steel on steel, as are the pressure under a ball (force^(1/3)) in `coefficients` and `reference`
   and the unit of K_b, which `bearing.hertz` computes. They need formulas of their own;
-- `view.rerun.bearing3d`: a TwinState has K_b, and no other number of a law;
+- `view.rerun.pictures.bearing3d`: a TwinState has K_b, and no other number of a law;
 - the tests and `paper`, on purpose.
 
 `vector` knows roots and no other powers: x**1.25 is x * root(root(x)).

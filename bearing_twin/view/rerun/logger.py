@@ -21,8 +21,8 @@ from bearing_twin.recording.topics import is_feature
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.blueprint import automatic, layout
 from bearing_twin.view.rerun.outlet import Outlet, ServedOutlet
-from bearing_twin.view.rerun.picture import Asset
-from bearing_twin.view.rerun.scales import Scales
+from bearing_twin.view.rerun.pictures.picture import Asset
+from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.rerun.scene import namespace_of, Scene
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.source import Source

@@ -13,7 +13,7 @@ from bearing_twin.recording.schedule import undated
 from bearing_twin.recording.schema import store_from_text
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger
-from bearing_twin.view.rerun.scales import Scales
+from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.rerun.scene import PICTURES
 
 if TYPE_CHECKING:

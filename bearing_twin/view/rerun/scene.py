@@ -6,22 +6,22 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.rerun.calibration import CalibrationPicture
 from bearing_twin.view.rerun.canvas import Canvas
-from bearing_twin.view.rerun.generic import AnyPicture
-from bearing_twin.view.rerun.lanes import HealthPicture
-from bearing_twin.view.rerun.spectra import SpectrumBars
-from bearing_twin.view.rerun.temperature import TemperaturePicture
-from bearing_twin.view.rerun.texts import CheckpointPicture, LogPicture, TextPicture
-from bearing_twin.view.rerun.twinstate import TwinPicture
-from bearing_twin.view.rerun.verdict import VerdictPicture
-from bearing_twin.view.rerun.waveform import Waveform
+from bearing_twin.view.rerun.pictures.calibration import CalibrationPicture
+from bearing_twin.view.rerun.pictures.generic import AnyPicture
+from bearing_twin.view.rerun.pictures.lanes import HealthPicture
+from bearing_twin.view.rerun.pictures.spectra import SpectrumBars
+from bearing_twin.view.rerun.pictures.temperature import TemperaturePicture
+from bearing_twin.view.rerun.pictures.texts import CheckpointPicture, LogPicture, TextPicture
+from bearing_twin.view.rerun.pictures.twinstate import TwinPicture
+from bearing_twin.view.rerun.pictures.verdict import VerdictPicture
+from bearing_twin.view.rerun.pictures.waveform import Waveform
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from bearing_twin.view.rerun.canvas import Emit
-    from bearing_twin.view.rerun.picture import Asset, Picture
+    from bearing_twin.view.rerun.pictures.picture import Asset, Picture
     from bearing_twin.view.rerun.timebase import Timebase
 
 

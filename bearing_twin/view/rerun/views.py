@@ -7,9 +7,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import QUANTITIES
-from bearing_twin.view.rerun.bearing3d import MAGNIFIED, SLOWED
-from bearing_twin.view.rerun.spectrogram import COLUMNS, ROWS
-from bearing_twin.view.rerun.waveform import AXES
+from bearing_twin.view.rerun.pictures.bearing3d import MAGNIFIED, SLOWED
+from bearing_twin.view.rerun.pictures.spectrogram import COLUMNS, ROWS
+from bearing_twin.view.rerun.pictures.waveform import AXES
 import rerun.blueprint as rrb
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.rerun.picture import Asset, Picture
-from bearing_twin.view.rerun.texts import entity
+from bearing_twin.view.rerun.pictures.picture import Asset, Picture
+from bearing_twin.view.rerun.pictures.texts import entity
 from bearing_twin.view.style import LANE_LEVELS
 import rerun as rr
 

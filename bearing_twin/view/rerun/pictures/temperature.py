@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.rerun.picture import Asset, Picture
+from bearing_twin.view.rerun.pictures.picture import Asset, Picture
 from bearing_twin.view.style import LINE
 import numpy as np
 import rerun as rr

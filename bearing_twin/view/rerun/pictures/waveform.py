@@ -9,9 +9,9 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
 from bearing_twin.view.over_temperature import NUMBERED, OverTemperature, STEP
-from bearing_twin.view.rerun.picture import Asset, Picture
-from bearing_twin.view.rerun.spectrogram import Spectrogram
-from bearing_twin.view.rerun.waterfall import Waterfall
+from bearing_twin.view.rerun.pictures.picture import Asset, Picture
+from bearing_twin.view.rerun.pictures.spectrogram import Spectrogram
+from bearing_twin.view.rerun.pictures.waterfall import Waterfall
 from bearing_twin.view.source import Source
 from bearing_twin.view.spectrum import low_high
 from bearing_twin.view.style import held, LINE

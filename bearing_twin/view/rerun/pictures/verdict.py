@@ -10,8 +10,8 @@ from textwrap import fill
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO, samples_ns
-from bearing_twin.view.rerun.lanes import Lane
-from bearing_twin.view.rerun.picture import Asset, Picture
+from bearing_twin.view.rerun.pictures.lanes import Lane
+from bearing_twin.view.rerun.pictures.picture import Asset, Picture
 from bearing_twin.view.style import ink, VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
 from bearing_twin.view.verdict import facts, Headline, judged_by_velocity, reasons, title_of

@@ -8,7 +8,7 @@ import math
 import numbers
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.view.rerun.picture import Picture
+from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.style import LINE
 import numpy as np
 import rerun as rr

@@ -11,8 +11,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT
 from bearing_twin.stamps import NANO
-from bearing_twin.view.rerun.lanes import AGAIN
-from bearing_twin.view.rerun.picture import Picture
+from bearing_twin.view.rerun.pictures.lanes import AGAIN
+from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
 from bearing_twin.view.style import FAMILIES, held, LINE
 from bearing_twin.view.verdict import number
@@ -23,7 +23,7 @@ import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
-    from bearing_twin.view.rerun.picture import Asset
+    from bearing_twin.view.rerun.pictures.picture import Asset
     from bearing_twin.view.spectrum import Comb
     from bearing_twin.view.style import Colour
     from numpy.typing import NDArray

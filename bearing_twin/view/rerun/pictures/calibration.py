@@ -8,7 +8,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import samples_ns
-from bearing_twin.view.rerun.picture import Picture
+from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.style import LINE
 from bearing_twin.view.trends import CALIBRATION
 import numpy as np

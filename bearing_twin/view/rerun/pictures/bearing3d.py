@@ -12,7 +12,7 @@ from bearing_twin.dynamics.defect_text import read_defects
 from bearing_twin.dynamics.equations.model import Contact, contact_law
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.numerics.compiled import compiled
-from bearing_twin.view.rerun import shapes
+from bearing_twin.view.rerun.pictures import shapes
 from bearing_twin.view.style import LINE
 import numpy as np
 import rerun as rr

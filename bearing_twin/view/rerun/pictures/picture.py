@@ -10,7 +10,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import NUMBERED, OverTemperature
-from bearing_twin.view.rerun.scales import Scales
+from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.source import Source
 from bearing_twin.view.style import held, LINE
 from bearing_twin.view.trends import Limit, ZERO

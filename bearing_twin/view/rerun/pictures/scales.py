@@ -9,7 +9,7 @@ from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.over_temperature import NUMBERED, UNNUMBERED
-from bearing_twin.view.rerun.bearing3d import check_pose, greatest_force
+from bearing_twin.view.rerun.pictures.bearing3d import check_pose, greatest_force
 from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
 from bearing_twin.view.trends import recorded
 import numpy as np

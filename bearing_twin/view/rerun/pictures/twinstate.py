@@ -8,9 +8,9 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.rerun.bearing3d import Bearing3D, check_pose
-from bearing_twin.view.rerun.lanes import Lane
-from bearing_twin.view.rerun.picture import Asset, Picture
+from bearing_twin.view.rerun.pictures.bearing3d import Bearing3D, check_pose
+from bearing_twin.view.rerun.pictures.lanes import Lane
+from bearing_twin.view.rerun.pictures.picture import Asset, Picture
 from bearing_twin.view.style import TEMPERATURE_STATES
 from bearing_twin.view.trends import recorded, TWIN_STATE
 import rerun as rr

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.view.rerun.picture import Picture
+from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.source import bearing_in_words, fleet_tables
 import rerun as rr
 
