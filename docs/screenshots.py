@@ -24,7 +24,7 @@ from bearing_twin.assets.calibration_task import work
 from bearing_twin.assets.spec import read_values
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import vibration_block, vibration_message
-from bearing_twin.cli.demo_hidden import HIDDEN
+from bearing_twin.cli.demo.hidden import HIDDEN
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import decode
 from bearing_twin.offline.run import run_offline

@@ -125,7 +125,7 @@ def test_colcon_installs_nodes_for_ros2_run_and_the_command_for_the_path(tmp_pat
     sourced = f'. {tmp_path}/install/local_setup.sh && bearing-twin --version'
     said = subprocess.run(['sh', '-c', sourced], check=True, capture_output=True, text=True)
     assert said.stdout.split() == ['bearing-twin', bearing_twin.__version__]
-    found = 'from bearing_twin.cli.demo import shipped_schedule as s; print(s())'
+    found = 'from bearing_twin.cli.demo.command import shipped_schedule as s; print(s())'
     sourced = f'. {tmp_path}/install/local_setup.sh && "{sys.executable}" -c "{found}"'
     said = subprocess.run(
         ['sh', '-c', sourced], check=True, capture_output=True, text=True, cwd=tmp_path

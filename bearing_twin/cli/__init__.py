@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # PYTHON_ARGCOMPLETE_OK
 """
-The ``bearing-twin`` command: one module a sub-command.
+The ``bearing-twin`` command: a module or a room for each sub-command.
 
-A sub-command NAME lives in ``bearing_twin/cli/NAME.py`` and offers ``configure(parser)``, which
-adds its arguments, and ``run(args) -> int``, which does the work and returns the exit status.
+A sub-command NAME lives in ``bearing_twin/cli/NAME.py``, or in a room of that name, and offers
+``configure(parser)``, which adds its arguments, and ``run(args) -> int``, which does the work and
+returns the exit status.
 Only the module of the command that is called is imported, so that none pays for another.
 
 Words are completed in a shell that has run ``eval "$(register-python-argcomplete bearing-twin)"``.

@@ -18,9 +18,14 @@ from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.joint import joined
 from bearing_twin.calibration.residual import MOVED
-from bearing_twin.cli.diagnose import add_reading, channels_of, picture
-from bearing_twin.cli.diagnose_task import unread
-from bearing_twin.cli.signal_arguments import given_bearing, given_speed
+from bearing_twin.cli.signal_arguments import (
+    add_reading,
+    channels_of,
+    given_bearing,
+    given_speed,
+    picture_of,
+    unread,
+)
 from bearing_twin.cli.terminal import clear_progress, progress, wrapped
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.signals.foreign import read_signal
@@ -101,7 +106,7 @@ def run(args: argparse.Namespace) -> int:
             from bearing_twin.cli.plots import draw_calibration
 
             try:
-                path = picture(Path(args.plot), name, channel)
+                path = picture_of(Path(args.plot), name, channel)
                 draw_calibration(found, record.x, record.sample_rate, path)
             except BearingTwinError as error:
                 # The fit took a minute: it is told, whatever becomes of its picture.

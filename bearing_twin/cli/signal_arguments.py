@@ -1,22 +1,22 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands that take vibration files ask about them: bearing, speed, channel, unit."""
+"""What commands on vibration files ask: files, bearing, speed, channel, unit."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
 from bearing_twin.cli.terminal import refuse_given
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import find_recording, SIGNAL_FILES
-from bearing_twin.recording.signals.dataset import is_dataset
+from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
-    from pathlib import Path
 
 
 SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
@@ -53,6 +53,17 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that say which files are read, and how."""
+    parser.add_argument(
+        'files',
+        nargs='+',
+        metavar='FILE',
+        help=f'{" ".join(SIGNAL_FILES)} .mcap, or a folder made by bearing-datasets',
+    )
+    add_signal_arguments(parser)
+
+
 def given_bearing(args: argparse.Namespace) -> Bearing | None:
     """Return the bearing that was given; None if none was."""
     if args.geometry:
@@ -72,6 +83,24 @@ def given_speed(args: argparse.Namespace) -> float:
         msg = f'{name} {given:g}: give a speed above 0 and below {FASTEST / factor:g}'
         raise BearingTwinError(msg)
     return shaft_hz
+
+
+def channels_of(name: str, channel: str | None) -> list[str | None]:
+    """Channels to diagnose of a file: of a data set those of :func:`chosen_signals`."""
+    if not is_dataset(Path(name)):
+        return [channel]
+    return [str(row['signal_id']) for row in chosen_signals(Path(name), channel)]
+
+
+def unread(path: str, reason: str) -> dict[str, Any]:
+    """Answer for a file that cannot be read."""
+    return {'file': path, 'error': reason if path in reason else f'{path}: {reason}'}
+
+
+def picture_of(folder: Path, name: str, channel: str | None) -> Path:
+    """Picture of a signal, its whole path in the name so that no two collide."""
+    parts = f'{Path(name)}_{channel}' if is_dataset(Path(name)) else str(Path(name))
+    return folder / f'{parts.strip("/").replace("/", "_")}.png'
 
 
 def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path) -> list[Path]:

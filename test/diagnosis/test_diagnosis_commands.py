@@ -10,9 +10,9 @@ import shutil
 from bearing_twin.bearing import fault_frequencies, find_bearing, own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
 from bearing_twin.cli import main
-from bearing_twin.cli.diagnose import configure
-from bearing_twin.cli.diagnose_file import diagnose_file
-from bearing_twin.cli.diagnose_task import Task
+from bearing_twin.cli.diagnose.command import configure
+from bearing_twin.cli.diagnose.file import diagnose_file
+from bearing_twin.cli.diagnose.task import Task
 from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from commands import json_lines

@@ -10,7 +10,8 @@ import subprocess
 import sys
 import time
 
-from bearing_twin.cli import diagnose_file, main
+from bearing_twin.cli import main
+from bearing_twin.cli.diagnose import file
 from commands import json_lines, python
 import pytest
 
@@ -67,14 +68,14 @@ def test_benchmark_of_a_small_folder(good, tmp_path, capsys):
 
 
 def test_a_file_that_kills_its_process_takes_no_other_with_it(good, tmp_path, capsys, monkeypatch):
-    @functools.wraps(diagnose_file.diagnose_file)
+    @functools.wraps(file.diagnose_file)
     def killed_by_one(task):
         if task.path.endswith('2.npz'):
             os.kill(os.getpid(), signal.SIGKILL)
         return original(task)
 
-    original = diagnose_file.diagnose_file
-    monkeypatch.setattr(diagnose_file, 'diagnose_file', killed_by_one)
+    original = file.diagnose_file
+    monkeypatch.setattr(file, 'diagnose_file', killed_by_one)
     paths = [tmp_path / f'{number}.npz' for number in range(6)]
     for path in paths:
         path.write_bytes(good.read_bytes())
@@ -179,8 +180,8 @@ def test_who_gives_files_to_a_cluster_loads_no_diagnosis():
 FILES_OF_A_WORKER = """
 import resource, sys
 from bearing_twin.bearing import find_bearing
-from bearing_twin.cli.diagnose import _diagnose_files
-from bearing_twin.cli.diagnose_task import Task
+from bearing_twin.cli.diagnose.spread import _diagnose_files
+from bearing_twin.cli.diagnose.task import Task
 tasks = [Task(path=sys.argv[1], bearing=find_bearing('6307'))] * 4
 faults = []
 for _ in range(2):

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 
 from bearing_twin.cli import main
-from bearing_twin.cli.demo_summary import Summary
+from bearing_twin.cli.demo.summary import Summary
 import pytest
 
 SUMMARY = Summary(
@@ -63,7 +63,7 @@ def test_a_file_is_no_folder(tmp_path, capsys, ros_domain):
 
 
 def test_two_demos_of_one_second_have_a_folder_each(tmp_path):
-    from bearing_twin.cli.demo import make_folder
+    from bearing_twin.cli.demo.command import make_folder
 
     made = {make_folder(tmp_path) for _ in range(3)}
     assert len(made) == 3

@@ -14,7 +14,7 @@ import sys
 from typing import Any
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.cli.demo_amplitude import AmplitudeByTemperature
+from bearing_twin.cli.demo.amplitude import AmplitudeByTemperature
 from bearing_twin.cli.terminal import wrapped
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.errors import BearingTwinError

@@ -68,7 +68,7 @@ def find_hidden(logs: Path, environment: Mapping[str, str], say: Callable[[str],
         If a node fails, or there is no calibration in time.
 
     """
-    from bearing_twin.cli.demo_watch import Watcher
+    from bearing_twin.cli.demo.watch import Watcher
     from bearing_twin_msgs.msg import Calibration, Diagnosis
     from diagnostic_msgs.msg import DiagnosticArray
 

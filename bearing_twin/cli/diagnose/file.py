@@ -11,8 +11,9 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import diagnosis_message
 from bearing_twin.bearing import named_bearing
-from bearing_twin.cli.diagnose_task import CARD, unread
-from bearing_twin.cli.diagnose_text import card
+from bearing_twin.cli.diagnose.task import CARD
+from bearing_twin.cli.diagnose.text import card
+from bearing_twin.cli.signal_arguments import unread
 from bearing_twin.cli.terminal import plain
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.errors import BearingTwinError
@@ -20,7 +21,7 @@ from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.view.verdict import next_step
 
 if TYPE_CHECKING:
-    from bearing_twin.cli.diagnose_task import Task
+    from bearing_twin.cli.diagnose.task import Task
     from bearing_twin.diagnosis import Diagnosis
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
-from bearing_twin.cli.diagnose_task import CARD
+from bearing_twin.cli.diagnose.task import CARD
 from bearing_twin.cli.terminal import by_level, wrapped
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.verdict import facts, measured, reasons

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One file to diagnose, as it is sent to another process, and the answer where it is not read."""
+"""One file to diagnose, as it is sent to another process."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 import math
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 
@@ -32,8 +32,3 @@ class Task:
     settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     plot: str = ''
     """File for the picture; empty for none."""
-
-
-def unread(path: str, reason: str) -> dict[str, Any]:
-    """Answer for a file that cannot be read."""
-    return {'file': path, 'error': reason if path in reason else f'{path}: {reason}'}

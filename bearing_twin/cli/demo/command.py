@@ -14,8 +14,8 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.demo_hidden import find_hidden, HIDDEN
-from bearing_twin.cli.demo_summary import summarise
+from bearing_twin.cli.demo.hidden import find_hidden, HIDDEN
+from bearing_twin.cli.demo.summary import summarise
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.errors import BearingTwinError
@@ -116,7 +116,7 @@ def _choose_domain(asked: int | None) -> AbstractContextManager[int]:
 
 def shipped_schedule() -> Path:
     """Return the paper's schedule, from the working tree or from where it is installed."""
-    here = Path(__file__).parents[2]
+    here = Path(__file__).parents[3]
     # A colcon workspace is in no Python prefix; the ament index names it.
     prefixes = [*os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep), sys.prefix]
     shares = [Path(prefix) / 'share' / 'bearing_twin' for prefix in prefixes if prefix]
@@ -134,7 +134,7 @@ def _run_nodes(
     environment = local_environment(domain)
     os.environ.update(environment)
     # rclpy reads the domain when it is first used.
-    from bearing_twin.cli.demo_watch import Watcher
+    from bearing_twin.cli.demo.watch import Watcher
 
     with NodeProcesses(folder / 'logs', environment) as nodes, Watcher() as watcher:
         recorder = {'output': str(folder / 'bag')}
