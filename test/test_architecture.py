@@ -66,6 +66,26 @@ DIAGNOSIS = (
 )
 """The same for the rooms of the diagnosis and the files beside them."""
 
+RECORDING = (
+    'topics',
+    'plainyaml',
+    'qos',
+    'finding',
+    'mcap',
+    'bagmetadata',
+    'sink',
+    'outfile',
+    'writer',
+    'snapshot',
+    'reader',
+    'health',
+    'player',
+    'recover',
+    'signals',
+    'schedule',
+)
+"""The same for the recordings."""
+
 RERUN = (
     'timebase',
     'ending',
@@ -146,7 +166,12 @@ def test_files_beside_the_rooms_import_no_room_unless_they_start_it():
 
 @pytest.mark.parametrize(
     ('room', 'rooms'),
-    [('dynamics', DYNAMICS), ('diagnosis', DIAGNOSIS), ('view/rerun', RERUN)],
+    [
+        ('dynamics', DYNAMICS),
+        ('diagnosis', DIAGNOSIS),
+        ('recording', RECORDING),
+        ('view/rerun', RERUN),
+    ],
 )
 def test_a_room_within_a_room_imports_only_those_before_it(room, rooms):
     # Its head names what others import of it.

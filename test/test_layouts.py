@@ -14,7 +14,7 @@ from urllib.request import urlopen
 from xml.etree import ElementTree
 
 from bearing_twin.bearing import find_bearing
-from bearing_twin.recording.schema import message_schema, store_from_text
+from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 from bearing_twin.recording.topics import OWN_TOPICS
 import numpy as np
 import pytest

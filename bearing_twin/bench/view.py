@@ -16,7 +16,7 @@ from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.viewer import LOOPBACK
 
 if TYPE_CHECKING:
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
 RUNS = 2

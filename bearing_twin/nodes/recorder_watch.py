@@ -16,8 +16,8 @@ from bearing_twin import __version__
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import LONGEST_TEXT
+from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.wholefile import free_path
 import yaml

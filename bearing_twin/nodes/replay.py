@@ -15,8 +15,8 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.messages import time_message
 from bearing_twin.assets.spec import fixed, parameter
 from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.player import Player
-from bearing_twin.recording.schema import message_schema
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.qos import RESULT
@@ -29,7 +29,7 @@ from rosgraph_msgs.msg import Clock
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import TopicInfo
     from rclpy.publisher import Publisher
 

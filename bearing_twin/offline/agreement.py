@@ -7,12 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from bearing_twin.recording.schema import canonical_cdr, other_version
+from bearing_twin.recording.mcap.schema import canonical_cdr, other_version
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
 @dataclass

@@ -22,7 +22,7 @@ from bearing_twin.streams.vibration_input import read_vibration
 if TYPE_CHECKING:
     from bearing_twin.offline.agreement import Reproduction
     from bearing_twin.offline.output import Output
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
 _REACH = 2.0 * LONGEST_WINDOW

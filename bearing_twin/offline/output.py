@@ -7,7 +7,7 @@ from __future__ import annotations
 import array
 from typing import Any, NamedTuple
 
-from bearing_twin.recording.schema import message_schema, store_from_text
+from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 import numpy as np
 
 

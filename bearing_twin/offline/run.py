@@ -20,7 +20,7 @@ from bearing_twin.dynamics.limits import Limit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import Output, output
-from bearing_twin.recording.catalogue import known_fields
+from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, whole_recording
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from bearing_twin.assets.twin import TwinInputs
     from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.dynamics.single.condition import Condition
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'

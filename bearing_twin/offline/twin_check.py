@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.dynamics.fleet.fleet import Fleet
     from bearing_twin.offline.agreement import Reproduction
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
 _TOGETHER = 25

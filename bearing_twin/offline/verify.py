@@ -18,10 +18,10 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, Reproduction
 from bearing_twin.offline.diagnosis_check import DiagnosisCheck, HORIZON
 from bearing_twin.offline.twin_check import FleetCheck, TwinCheck
-from bearing_twin.recording.catalogue import known_fields
 from bearing_twin.recording.health import sent_before
+from bearing_twin.recording.mcap.catalogue import known_fields
+from bearing_twin.recording.mcap.schema import other_version
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.schema import other_version
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
 CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'

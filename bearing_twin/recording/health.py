@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.catalogue import known_fields
+from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.reader import recording_info, Witness
 from bearing_twin.stamps import NANO, stamp_ns
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import RecordingInfo
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.recording.bagmetadata import BagFile, BagTopic
-from bearing_twin.recording.mcapfile import MESSAGE_HEAD
+from bearing_twin.recording.mcap.mcapfile import MESSAGE_HEAD
 from mcap.opcode import Opcode
 from mcap.records import Channel, Message, Schema
 from mcap.writer import CompressionType, Writer
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.disksync import DiskSync
-    from bearing_twin.recording.schema import MessageSchema
+    from bearing_twin.recording.mcap.schema import MessageSchema
     from bearing_twin.recording.sink import Attached, Written
     from mcap.data_stream import RecordBuilder
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
     from pathlib import Path
 
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import TopicInfo
 
 

@@ -11,15 +11,15 @@ import struct
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.catalogue import (
+from bearing_twin.recording.finding import natural, read_instead
+from bearing_twin.recording.mcap.catalogue import (
     Catalogue,
     DEFINITIONS,
     RecordedChannel,
     RecordedMessage,
 )
-from bearing_twin.recording.chunks import Chunks
-from bearing_twin.recording.finding import natural, read_instead
-from bearing_twin.recording.mcapfile import (
+from bearing_twin.recording.mcap.chunks import Chunks
+from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     check_magic,
     MAGIC,
@@ -30,9 +30,9 @@ from bearing_twin.recording.mcapfile import (
     refuse_special,
     UnfinishedRecording,
 )
-from bearing_twin.recording.messages import in_file_order, in_time_order, Selection
-from bearing_twin.recording.salvage import MOST_TABLES, open_mcap
-from bearing_twin.recording.summary import summary_records
+from bearing_twin.recording.mcap.messages import in_file_order, in_time_order, Selection
+from bearing_twin.recording.mcap.salvage import MOST_TABLES, open_mcap
+from bearing_twin.recording.mcap.summary import summary_records
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata, Statistics

@@ -11,9 +11,9 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.catalogue import own_definitions, RecordedChannel
-from bearing_twin.recording.chunks import Chunks
-from bearing_twin.recording.mcapfile import (
+from bearing_twin.recording.mcap.catalogue import own_definitions, RecordedChannel
+from bearing_twin.recording.mcap.chunks import Chunks
+from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     MAGIC,
     parse,
@@ -21,11 +21,11 @@ from bearing_twin.recording.mcapfile import (
     record_at,
     UnfinishedRecording,
 )
-from bearing_twin.recording.messages import in_file_order, Selection
+from bearing_twin.recording.mcap.messages import in_file_order, Selection
+from bearing_twin.recording.mcap.salvage import open_mcap
+from bearing_twin.recording.mcap.schema import message_schema
+from bearing_twin.recording.mcap.summary import summary_place, summary_records
 from bearing_twin.recording.reader import recording_files
-from bearing_twin.recording.salvage import open_mcap
-from bearing_twin.recording.schema import message_schema
-from bearing_twin.recording.summary import summary_place, summary_records
 from bearing_twin.recording.topics import OWN_TOPICS
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from pathlib import Path
 
-    from bearing_twin.recording.mcapfile import RawRecord
+    from bearing_twin.recording.mcap.mcapfile import RawRecord
     from bearing_twin.recording.writer import RecordingWriter
 
 

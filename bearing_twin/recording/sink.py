@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.schema import message_schema, MessageSchema
+from bearing_twin.recording.mcap.schema import message_schema, MessageSchema
 
 if TYPE_CHECKING:
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from typing_extensions import Self
 
 

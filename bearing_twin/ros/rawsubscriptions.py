@@ -8,7 +8,7 @@ import re
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.schema import message_schema
+from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.ros.executor import PolledGroup
 from bearing_twin.ros.qos import own
 from bearing_twin.ros.rawtopics import (

@@ -21,7 +21,7 @@ from bearing_twin.assets.twin_messages import (
 from bearing_twin.assets.twin_parameters import SPECS
 from bearing_twin.dynamics.defect_text import read_defects
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.schema import canonical_cdr, message_schema
+from bearing_twin.recording.mcap.schema import canonical_cdr, message_schema
 from bearing_twin.streams.pacer import Due
 from bearing_twin_msgs.msg import Vibration
 from rclpy.serialization import deserialize_message, serialize_message

@@ -7,8 +7,8 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 from bearing_twin.recording.qos import qos_profile, qos_yaml
-from bearing_twin.recording.schema import message_schema, store_from_text
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 import numpy as np
 

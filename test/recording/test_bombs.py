@@ -14,11 +14,11 @@ import zipfile
 import zlib
 
 from bearing_twin.cli import main
-from bearing_twin.recording import chunks
 from bearing_twin.recording.health import examine
-from bearing_twin.recording.mcapfile import MAGIC, record_at
+from bearing_twin.recording.mcap import chunks
+from bearing_twin.recording.mcap.mcapfile import MAGIC, record_at
+from bearing_twin.recording.mcap.summary import summary_place
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.summary import summary_place
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from commands import python
 from copies import raw_recording

@@ -15,15 +15,16 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording import catalogue, outfile
+from bearing_twin.recording import outfile
 from bearing_twin.recording.health import examine
-from bearing_twin.recording.mcapfile import BrokenRecording, UnfinishedRecording
-from bearing_twin.recording.messages import in_file_order, Selection
+from bearing_twin.recording.mcap import catalogue
+from bearing_twin.recording.mcap.mcapfile import BrokenRecording, UnfinishedRecording
+from bearing_twin.recording.mcap.messages import in_file_order, Selection
+from bearing_twin.recording.mcap.schema import MessageSchema
 from bearing_twin.recording.outfile import MOST_CHANNELS
 from bearing_twin.recording.player import Player
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
-from bearing_twin.recording.schema import MessageSchema
 from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from copies import raw_recording

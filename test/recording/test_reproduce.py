@@ -27,9 +27,9 @@ from bearing_twin.offline.output import output
 from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.health import examine
+from bearing_twin.recording.mcap.schema import canonical_cdr
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
-from bearing_twin.recording.schema import canonical_cdr
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.launching import NodeProcesses
 from bearing_twin.ros.qos import RESULT, STREAM

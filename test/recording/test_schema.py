@@ -13,8 +13,8 @@ import sys
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement
-from bearing_twin.recording.catalogue import RecordedChannel, RecordedMessage
-from bearing_twin.recording.schema import (
+from bearing_twin.recording.mcap.catalogue import RecordedChannel, RecordedMessage
+from bearing_twin.recording.mcap.schema import (
     canonical_cdr,
     message_schema,
     other_version,

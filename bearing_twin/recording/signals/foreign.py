@@ -19,7 +19,7 @@ from bearing_twin.bearing import Bearing
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor, GRAVITY
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import SIGNAL_FILES
-from bearing_twin.recording.mcapfile import refuse_special
+from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.recording.signals.csvfile import is_even, read_csv
 from bearing_twin.recording.signals.dataset import dataset_signals, is_dataset, read_dataset_signal
 from bearing_twin.recording.signals.matfile import read_mat

@@ -9,7 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.catalogue import known_fields
+from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.stamps import NANO, stamp_ns
 import numpy as np
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from bearing_twin.recording.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import TopicInfo
     from numpy.typing import NDArray
 

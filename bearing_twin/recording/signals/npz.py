@@ -9,7 +9,7 @@ from typing import Any, BinaryIO, TYPE_CHECKING
 import zipfile
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.mcapfile import refuse_special
+from bearing_twin.recording.mcap.mcapfile import refuse_special
 import numpy as np
 
 if TYPE_CHECKING:

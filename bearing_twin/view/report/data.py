@@ -10,8 +10,8 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.catalogue import known_fields
 from bearing_twin.recording.health import examine
+from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from bearing_twin.recording.catalogue import RecordedMessage
     from bearing_twin.recording.health import RecordingHealth
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import RecordingInfo
 
 

@@ -8,9 +8,9 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.mcap.schema import store_from_text
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.schedule import undated
-from bearing_twin.recording.schema import store_from_text
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.pictures.scales import Scales

@@ -9,9 +9,9 @@ import re
 import struct
 from typing import BinaryIO, TYPE_CHECKING
 
-from bearing_twin.recording.chunks import Chunks, SpentRecording
 from bearing_twin.recording.finding import read_instead
-from bearing_twin.recording.mcapfile import (
+from bearing_twin.recording.mcap.chunks import Chunks, SpentRecording
+from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     check_magic,
     CHUNK_HEAD,

@@ -10,23 +10,23 @@ from functools import cached_property
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.chunks import NEW_DESCRIPTION, SpentRecording
-from bearing_twin.recording.mcapfile import BrokenRecording, parse
-from bearing_twin.recording.salvage import sound_records
-from bearing_twin.recording.schema import (
+from bearing_twin.recording.mcap.chunks import NEW_DESCRIPTION, SpentRecording
+from bearing_twin.recording.mcap.mcapfile import BrokenRecording, parse
+from bearing_twin.recording.mcap.salvage import sound_records
+from bearing_twin.recording.mcap.schema import (
     canonical_cdr,
     MessageSchema,
     store_from_text,
     type_conflict,
 )
-from bearing_twin.recording.summary import summary_records
+from bearing_twin.recording.mcap.summary import summary_records
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from bearing_twin.recording.chunks import Chunks
+    from bearing_twin.recording.mcap.chunks import Chunks
 
 
 DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)

@@ -9,7 +9,7 @@ import struct
 from typing import BinaryIO, TYPE_CHECKING
 import zlib
 
-from bearing_twin.recording.mcapfile import (
+from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     CHUNK_HEAD,
     content,

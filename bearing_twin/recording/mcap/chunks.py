@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import BinaryIO, NoReturn, TYPE_CHECKING
 import zlib
 
-from bearing_twin.recording.mcapfile import BrokenRecording, content, parse, RECORD_HEAD
+from bearing_twin.recording.mcap.mcapfile import BrokenRecording, content, parse, RECORD_HEAD
 import lz4.frame  # type: ignore[import-untyped]
 from mcap.opcode import Opcode
 from mcap.records import Chunk
@@ -16,7 +16,7 @@ import zstandard
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bearing_twin.recording.mcapfile import RawRecord
+    from bearing_twin.recording.mcap.mcapfile import RawRecord
 
 
 LARGEST_CHUNK = 128 * 1024 * 1024

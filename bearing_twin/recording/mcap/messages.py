@@ -9,30 +9,30 @@ from dataclasses import dataclass
 import heapq
 from typing import BinaryIO, TYPE_CHECKING
 
-from bearing_twin.recording.catalogue import (
+from bearing_twin.recording.mcap.catalogue import (
     Catalogue,
     DEFINITIONS,
     own_definitions,
     RecordedChannel,
     RecordedMessage,
 )
-from bearing_twin.recording.chunks import Chunks, SpentRecording
-from bearing_twin.recording.mcapfile import (
+from bearing_twin.recording.mcap.chunks import Chunks, SpentRecording
+from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     check_magic,
     MESSAGE_HEAD,
     message_head,
     record_at,
 )
-from bearing_twin.recording.salvage import sound_records
-from bearing_twin.recording.summary import chunk_index, summary_records
+from bearing_twin.recording.mcap.salvage import sound_records
+from bearing_twin.recording.mcap.summary import chunk_index, summary_records
 from mcap.opcode import Opcode
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator
 
-    from bearing_twin.recording.mcapfile import RawRecord
+    from bearing_twin.recording.mcap.mcapfile import RawRecord
 
 
 EXTRAS = (Opcode.ATTACHMENT, Opcode.METADATA)
