@@ -197,7 +197,7 @@ def _own_text(type_name: str) -> str:
         if path.is_file():
             return path.read_text(encoding='utf-8')
     if package == 'bearing_twin_msgs':
-        path = Path(__file__).parents[2] / 'msg_defs' / kind / f'{name}.msg'
+        path = Path(__file__).parents[3] / 'msg_defs' / kind / f'{name}.msg'
         if path.is_file():
             return path.read_text(encoding='utf-8')
     store = _standard_types()
