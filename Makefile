@@ -101,7 +101,7 @@ $(VENV)/package.stamp: $(VENV)/messages.stamp setup.py setup.cfg package.xml $(w
 	touch $@
 
 # Minutes of one core, which the first start of a twin would take otherwise.
-$(VENV)/kernels.stamp: $(VENV)/package.stamp $(wildcard $(patsubst %,bearing_twin/%/*.py,bearing thermal dynamics diagnosis diagnosis/*))
+$(VENV)/kernels.stamp: $(VENV)/package.stamp $(wildcard $(patsubst %,bearing_twin/%/*.py,numerics bearing thermal dynamics dynamics/* diagnosis diagnosis/*))
 	$(BIN)/bearing-twin compile
 	touch $@
 
