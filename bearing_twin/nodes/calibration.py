@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 import time
+import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.calibration import CalibrationCore
@@ -168,7 +169,15 @@ class CalibrationNode(ManagedNode):
             return
         except (BearingTwinError, OSError, MemoryError) as error:
             self._problem = str(error) or 'not enough memory'
-            self.get_logger().warning(f'not fitted: {error}', throttle_duration_sec=60.0)
+            self.get_logger().warning(f'not fitted: {self._problem}', throttle_duration_sec=60.0)
+            return
+        except Exception as error:
+            # Of the fit itself, on a record that nobody has foreseen; the next record is another.
+            self._problem = f'{type(error).__name__}: {error}'
+            told = ''.join(traceback.format_exception(error))
+            self.get_logger().error(
+                f'not fitted: {self._problem}\n{told}', throttle_duration_sec=60.0
+            )
             return
         self._problem = ''
         self._out.publish(self._latest)

@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 import time
+import traceback
 from typing import Any, Generic, TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
@@ -93,7 +94,10 @@ def _hand_over(pipe: Connection, turn: threading.Lock, task: Any, future: Future
     try:
         with turn:
             pipe.send(task)
-            answer, error = pipe.recv()
+            answer, error, told = pipe.recv()
+        if told:
+            # Where an error was raised is lost on the way.
+            error.__cause__ = RuntimeError(told)
     except (EOFError, OSError):
         answer, error = None, ChildProcessError('the process of the work was killed')
     except Exception as unsent:
@@ -117,18 +121,19 @@ def _serve(pipe: Connection, owner: int, work: Callable[[Any], Any], niceness: i
 
 
 def _answer(pipe: Connection, work: Callable[[Any], Any], task: Any) -> None:
-    done: tuple[Any, Exception | None]
+    done: tuple[Any, Exception | None, str]
     try:
-        done = work(task), None
+        done = work(task), None, ''
     except Exception as error:
-        done = None, error
+        done = None, error, traceback.format_exc()
     try:
         pipe.send(done)
     except BrokenPipeError:
         raise
     except Exception as error:
         # What cannot be pickled has not been sent in part.
-        pipe.send((None, TypeError(f'{done[1] or done[0]!r:.200} cannot be sent: {error}')))
+        unsent = TypeError(f'{done[1] or done[0]!r:.200} cannot be sent: {error}')
+        pipe.send((None, unsent, done[2]))
 
 
 def _end_with(owner: int) -> None:

@@ -3,8 +3,12 @@
 """The calibration node: a machine that it does not know is fitted, over DDS."""
 
 from dataclasses import replace
+import itertools
 import json
 import math
+import os
+import signal
+import time
 
 from bearing_twin.assets.calibration import CalibrationCore
 from bearing_twin.assets.calibration_parameters import SPECS
@@ -14,6 +18,7 @@ from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration import fit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.vibration_input import VibrationBlock
+from bearing_twin.streams.worker import Worker
 from bearing_twin.view.report.data import Machine
 from bearing_twin.view.report.plots import appended_figures, figures
 from bearing_twin.view.rerun.canvas import Canvas
@@ -390,6 +395,50 @@ def test_a_second_thermometer_or_sensor_of_a_fitted_machine_is_told(here):
     assert 'only the first is used' in node.status().message
     node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'w'})
     assert node.status().message == 'several sources on one topic: only the first is used'
+
+
+@pytest.mark.ros
+def test_whatever_ends_a_fit_is_told_and_the_next_one_begins(here, capfd):
+    """Work that raises what no fit should, work that is killed, work that is done."""
+    from bearing_twin.nodes.calibration import CalibrationNode
+    from bearing_twin_msgs.msg import Vibration
+
+    node = here(CalibrationNode, shaft_hz=25.0, window=2.0, period=1.0, candidates=64)
+    node.trigger_configure()
+    sent = itertools.count()
+
+    def send():
+        made = block(number := next(sent))
+        message = Vibration(
+            sample_rate=RATE, first_sample=number * 1024, shaft_hz=25.0, unit='m/s^2',
+            y=made.samples.tolist(),
+        )  # fmt: skip
+        node._on_vibration(message, {'publisher_gid': 'v'})
+
+    def begin(task):
+        node._worker.end()
+        node._worker = Worker(task)
+        until = time.monotonic() + 60.0
+        while node._running is None and time.monotonic() < until:
+            time.sleep(0.02)
+            send()
+
+    def end(told):
+        until = time.monotonic() + 120.0
+        while node._running is not None and time.monotonic() < until:
+            time.sleep(0.02)
+            send()
+            node._look()
+        assert told in node.status().message
+        assert capfd.readouterr().err.count(told) == ('not fitted' in told)
+
+    begin(len)
+    end("not fitted: TypeError: object of type 'Task' has no len()")
+    begin(time.sleep)
+    os.kill(node._worker._process.pid, signal.SIGKILL)
+    end('not fitted: its process was killed')
+    begin(work)
+    end('no defect')
 
 
 @pytest.mark.usefixtures('compiled')

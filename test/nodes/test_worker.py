@@ -41,8 +41,10 @@ def test_tasks_are_done_in_turn_by_one_process(worker):
 
 def test_what_the_work_raises_is_raised_and_does_not_end_it(worker):
     number = worker(int)
-    with pytest.raises(ValueError, match=r"invalid literal .* 'a'"):
+    with pytest.raises(ValueError, match=r"invalid literal .* 'a'") as raised:
         number.submit('a').result(60.0)
+    # A log shows where it was raised, in the other process.
+    assert 'done = work(task)' in str(raised.value.__cause__)
     with pytest.raises((TypeError, AttributeError), match='pickle'):
         number.submit(lambda: None).result(60.0)
     assert number.submit('7').result(60.0) == 7
