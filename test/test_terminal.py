@@ -229,6 +229,20 @@ def test_bearings_fit_a_terminal_of_80_columns(words, capsys):
     assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
 
 
+def test_what_is_in_a_recording_fits_a_terminal_of_80_columns(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    topic = f'/a_{"long" * 10}_temperature'
+    assert main(['schedule', '-o', 'demo/bag', '--topic', topic]) == 0
+    capsys.readouterr()
+    # The folder of a demo stands for the bag in it.
+    assert main(['info', 'demo']) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    row = next(k for k, line in enumerate(lines) if topic in line)
+    assert lines[row].split() == ['401', '0.100', 's', topic]
+    assert lines[row + 1].split() == ['sensor_msgs/msg/Temperature']
+
+
 def test_what_cannot_be_said_is_no_success():
     ran = subprocess.run(
         ['sh', '-c', '"$@" >&-', 'sh', *COMMAND, 'bearings', '6205'], stderr=subprocess.PIPE

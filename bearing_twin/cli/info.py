@@ -10,7 +10,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli.terminal import wrapped
 from bearing_twin.errors import shown
+from bearing_twin.recording.finding import find_recording
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.stamps import NANO
@@ -33,10 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print; status 0 if the recording is sound, as far as it was looked at."""
-    if args.no_health:
-        info, health = recording_info(args.recording), None
-    else:
-        info, health = examine(args.recording)
+    path = find_recording(args.recording)
+    info, health = (recording_info(path), None) if args.no_health else examine(path)
     problems = list(dict.fromkeys([*info.problems, *(health.problems if health else ())]))
     if args.json:
         answer = {
@@ -57,23 +57,23 @@ def run(args: argparse.Namespace) -> int:
 
 def _print(info: RecordingInfo, health: RecordingHealth | None, problems: list[str]) -> None:
     begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
-    rows = [
+    before = [
         ('recording', f'{info.path} ({info.profile or "no profile"}, {info.library})'),
-        *(('file', f'{path.name} ({path.stat().st_size / 1e6:.1f} MB)') for path in info.files),
+        *(('file', f'{path.name} ({path.stat().st_size / 1e6:.3g} MB)') for path in info.files),
         ('finished', 'yes' if info.finished else 'no'),
         ('begin', f'{begin:%Y-%m-%d %H:%M:%S.%f} UTC'),
         ('duration', f'{info.duration:.3f} s'),
         ('messages', str(info.count)),
     ]
+    topics = [(f'{"messages":>8}  {"longest pause":>13}', 'topic  type')]
     for name, topic in sorted(info.topics.items()):
-        text = f'{topic.count:8d}  {name}  {topic.type_name}'
-        if health and (checked := health.topics.get(name)) and checked.count > 1:
-            text += f'  longest pause {checked.longest_gap:.3f} s'
-        rows.append(('topic', text))
-    rows += [('attachment', f'{name} ({size} bytes)') for name, size in info.attachments.items()]
-    rows += [('metadata', name) for name in info.metadata]
-    rows += [('problem', text) for text in problems]
+        checked = health.topics.get(name) if health else None
+        pause = f'{checked.longest_gap:.3f} s' if checked and checked.count > 1 else ''
+        topics.append((f'{topic.count:8d}  {pause:>13}', f'{name}  {topic.type_name}'))
+    after = [('attachment', f'{name} ({size} bytes)') for name, size in info.attachments.items()]
+    after += [('metadata', name) for name in info.metadata]
+    after += [('problem', text) for text in problems]
     if health and not problems:
-        rows.append(('health', 'sound: nothing missing, time runs forwards'))
-    for key, text in rows:
-        print(f'{key:<11} {shown(text)}')
+        after.append(('health', 'sound: nothing missing, time runs forwards'))
+    for key, text in [*before, *(topics if info.topics else ()), *after]:
+        print(*wrapped(f'{key:<10}', shown(text)), sep='\n')

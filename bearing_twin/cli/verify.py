@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import shown
 from bearing_twin.offline.verify import reproduce
+from bearing_twin.recording.finding import find_recording
 
 if TYPE_CHECKING:
     import argparse
@@ -26,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare; status 0 if something of each topic was compared and all of that was identical."""
-    result = reproduce(args.recording)
+    result = reproduce(find_recording(args.recording))
     if args.json:
         about = {'uncompared': result.uncompared, 'identical': result.identical}
         print(json.dumps({**asdict(result), **about}, default=str))
