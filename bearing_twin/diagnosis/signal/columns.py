@@ -314,10 +314,14 @@ def _primes(
     out: NDArray[np.float32],
 ) -> None:
     """Do the same; where the compiler sees how many rows, it takes half of the time."""
-    if radix == 3:
+    if radix == 2:
+        _butterflies(rows, turns, 2, left, done, out)
+    elif radix == 3:
         _butterflies(rows, turns, 3, left, done, out)
     elif radix == 5:
         _butterflies(rows, turns, 5, left, done, out)
+    elif radix == 7:
+        _butterflies(rows, turns, 7, left, done, out)
     else:
         _butterflies(rows, turns, radix, left, done, out)
 
