@@ -337,7 +337,7 @@ class Headline:
         first, last = (f'{at / length:.{digits}f} {unit}' for at in (worst.first, worst.last))
         text = f'{worst.windows} of {self.count} windows, from {first} to {last}'
         end = self.ending
-        return f'{text}; at the end: {end}' if end else f'{text}; so it stands at the end'
+        return f'{text}; at the end: {end}' if end else f'{text}; the same at the end'
 
 
 def urgency(diagnosis: Any) -> tuple[int, int]:

@@ -74,16 +74,16 @@ def test_a_fault_that_is_held_over_a_stop_says_so():
     held.level, held.window_level, held.shaft_hz = 2, 3, math.nan
     found = headline(*['inner'] * 24, *[held] * 10)
     assert found.span == '34 of 34 windows, from 1 s to 34 s; at the end: held, shaft standing'
-    assert headline(*['inner'] * 24).span.endswith('; so it stands at the end')
+    assert headline(*['inner'] * 24).span.endswith('; the same at the end')
 
 
 def test_long_spans_are_told_in_minutes_and_hours():
     found = Headline()
     for at in (3600.0, 5400.0, 9000.0):
         found.take(at, verdict('outer'))
-    assert found.span == '3 of 3 windows, from 60.0 min to 150.0 min; so it stands at the end'
+    assert found.span == '3 of 3 windows, from 60.0 min to 150.0 min; the same at the end'
     found.take(86400.0, verdict('outer'))
-    assert found.span == '4 of 4 windows, from 1.0 h to 24.0 h; so it stands at the end'
+    assert found.span == '4 of 4 windows, from 1.0 h to 24.0 h; the same at the end'
 
 
 def test_a_passing_verdict_is_no_headline():
