@@ -20,7 +20,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import is_feature
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.blueprint import automatic, layout
-from bearing_twin.view.rerun.outlet import Outlet, ServedOutlet
+from bearing_twin.view.rerun.outlet import Outlet, release, ServedOutlet
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.rerun.scene import namespace_of, Scene
@@ -237,6 +237,8 @@ class RerunLogger:
                 logging.getLogger(__name__).warning(
                     'a viewer does not read; its unread data are dropped'
                 )
+            else:
+                release()
 
     def __enter__(self) -> RerunLogger:
         """Return itself."""
