@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.ros.domain import own_domain
+from bearing_twin.ros.domain import own_domain, server_port
 from bearing_twin.ros.launching import local_environment, NodeProcesses
 from bearing_twin.stamps import stamp_ns
 import numpy as np
@@ -59,7 +59,7 @@ def live_run(
                 {
                     'output': str(folder / 'bag'),
                     'rerun_file': str(folder / 'view.rrd'),
-                    'rerun_port': 20000 + os.getpid() % 10000,
+                    'rerun_port': server_port(domain),
                 },
             )
             nodes.start('diagnosis', {})
