@@ -4,7 +4,12 @@
 
 import os
 from pathlib import Path
+import signal
 import socket
+import subprocess
+import sys
+from urllib.parse import parse_qs, urlsplit
+from urllib.request import urlopen
 
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
@@ -132,3 +137,21 @@ def test_a_file_is_given_up_when_it_no_longer_grows_not_after_a_time(tmp_path):
     with pytest.raises(RuntimeError):
         outlet.close()
     assert len(tries) == 4
+
+
+def test_a_browser_finds_the_page_and_the_data_that_it_names(tmp_path):
+    rrd = tmp_path / 'page.rrd'
+    with RerunLogger(recording_id='page', rrd=rrd):
+        pass
+    command = [sys.executable, '-m', 'bearing_twin', 'view', str(rrd), '--web', '--web-port', '0']
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as viewing:
+        try:
+            url = urlsplit(viewing.stdout.readline().strip())
+            with urlopen(f'http://{url.netloc}') as page:
+                assert page.headers['content-type'] == 'text/html'
+            data = urlsplit(parse_qs(url.query)['url'][0])
+            assert (data.scheme, data.path) == ('rerun+http', '/proxy')
+            socket.create_connection((data.hostname, data.port)).close()
+        finally:
+            viewing.send_signal(signal.SIGINT)
+    assert viewing.returncode == 0

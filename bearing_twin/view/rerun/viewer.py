@@ -94,34 +94,44 @@ def show_in_browser(
         If the port is taken, or the address is none.
 
     """
-    port = web_port
     try:
-        # The page names the port of the data, so that both are chosen before the server starts.
-        with socket.socket() as page, socket.socket() as probe:
+        # The viewer would not say why it cannot serve the page.
+        with socket.socket() as page:
             page.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            page.bind((address, port))
-            probe.bind((address, 0))
-            port, data_port = page.getsockname()[1], probe.getsockname()[1]
+            page.bind((address, web_port))
+            port = page.getsockname()[1]
     except (OSError, OverflowError, TypeError, ValueError) as error:
         # The others: a port beyond 65535, an address that is no text or too long.
         reason = getattr(error, 'strerror', None) or error
-        msg = f'{address}:{port} cannot be served ({reason}); choose another --web-port'
+        msg = f'{address}:{web_port} cannot be served ({reason}); choose another --web-port'
         raise BearingTwinError(msg) from None
     servers = [source for source in sources if '://' in source]
     shown = address if address not in ('0.0.0.0', '::') else socket.gethostname()
-    data = servers[0] if servers else f'rerun+http://{shown}:{data_port}/proxy'
-    command = [_binary(), '--serve-web', '--bind', address, '--port', str(data_port)]
+    command = [_binary(), '--serve-web', '--bind', address, '--port', '0']
     command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
         # The server is a process of its own and would outlive a termination of this one.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
+            ports = _served(server, 1 if servers else 2) - {port}
+            data = servers[0] if servers else f'rerun+http://{shown}:{ports.pop()}/proxy'
             announce(f'http://{shown}:{port}/?url={quote(data, safe="")}')
             return server.wait()
         except KeyboardInterrupt:
             return 0
         finally:
             server.terminate()
+
+
+def _served(server: subprocess.Popen[bytes], count: int) -> set[int]:
+    """Return the ports of a server once it listens at so many; it chooses that of the data."""
+    deadline = time.monotonic() + START_TIMEOUT
+    while server.poll() is None and time.monotonic() < deadline:
+        if len(ports := {*listening(server.pid)}) >= count:
+            return ports
+        time.sleep(POLL)
+    msg = 'the viewer serves no page; choose another --web-port'
+    raise BearingTwinError(msg)
 
 
 class HeadlessViewer:
