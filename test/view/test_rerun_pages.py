@@ -3,11 +3,15 @@
 """Pages and views of a picture: which there are, and which one is shown first."""
 
 from dataclasses import replace
+from pathlib import Path
+import re
+import runpy
 from types import SimpleNamespace
 
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun.blueprint import layout
 from bearing_twin.view.rerun.logger import RerunLogger
+from bearing_twin.view.style import PAGES
 from drawn import view_names
 import pytest
 from rerun.chunk import RrdReader
@@ -112,3 +116,11 @@ def test_namespaces_are_scenes_of_their_own(recording, tmp_path):
         assert f'{bearing}/vibration/samples/y' in entities
         # On the page of all, and on that of its own.
         assert {f'Verdict: {bearing}', 'Verdict'} <= set(view_names(rrd))
+
+
+def test_the_pictures_of_the_docs_can_be_taken_anew():
+    """What takes them (``make screenshots``) runs for ten minutes: here it is loaded alone."""
+    script = Path(__file__).resolve().parents[2] / 'docs' / 'screenshots.py'
+    assert callable(runpy.run_path(str(script))['main'])
+    pages = set(re.findall(r"page='(.*?)'", script.read_text(encoding='utf-8')))
+    assert pages and pages <= set(PAGES)
