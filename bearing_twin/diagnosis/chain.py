@@ -13,6 +13,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.combs.comb import accumulate, OrderSpectra
+from bearing_twin.diagnosis.combs.harmonics import spaced_by_shaft
 from bearing_twin.diagnosis.combs.plain_lines import low_lines
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.combs.sidebands import sideband_ratio
@@ -403,31 +404,33 @@ class Analysis:
         at_this, gap = evidence(at_given, given), speed.shaft_hz / given_hz
         least = _CLEARER * verdict.weight
         clear = (comb for comb in at_this.candidates.values() if comb.weight > least)
-        if not any(_mistaken(at_given, comb, gap) for comb in clear):
+        if not any(_mistaken(at_given, comb, gap, speed.tolerance) for comb in clear):
             return trusted(refined, verdict), speed
         other = answer(at_this)
         sure = other.level == 'fault' and other.result in PLACES
         clearer = sure and other.weight > least
-        if clearer and other.strongest and _mistaken(at_given, other.strongest, gap):
+        if (
+            clearer
+            and other.strongest
+            and _mistaken(at_given, other.strongest, gap, speed.tolerance)
+        ):
             return trusted(at_this, other), given
         return trusted(refined, verdict), speed
 
 
-def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float) -> bool:
+def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float, tolerance: float) -> bool:
     """
     Whether the lines of a comb were mistaken for the harmonics of the shaft.
 
     They can be where the comb's order is a whole number at the refined speed, and the fault has
-    sidebands at the turns of the given speed: these look like the other multiples of a shaft. The
+    sidebands at the turns of another speed: these look like the other multiples of a shaft. The
     harmonics of a comb without sidebands are too few, as two of the shaft's do not count. Half a
     bin apart the two speeds are one, and the clearer fault is right.
     """
-    if 2.0 * abs(gap - 1.0) < 1.01 * at_given.step:
-        return True
+    same = 2.0 * abs(gap - 1.0) < 1.01 * at_given.step
     order = found.order / gap
-    if abs(order - round(order)) > 3.0 * at_given.step:
+    if not same and abs(order - round(order)) > 3.0 * at_given.step:
         return False
-    refined, given = (
-        sideband_ratio(at_given, found.order, found.band, side) for side in (gap, 1.0)
-    )
-    return given >= SWAY and refined < _CLEARER * given
+    if sideband_ratio(at_given, found.order, found.band) < SWAY:
+        return same
+    return not spaced_by_shaft(at_given, found.order, np.array([found.band]), tolerance)

@@ -69,6 +69,22 @@ def test_a_loose_shaft_beside_the_given_speed_is_no_fault(rng, name, off):
     assert said.shaft_hz == pytest.approx(SHAFT_HZ, rel=5e-4)
 
 
+@pytest.mark.parametrize(('shaft_hz', 'off'), [(25.0, -0.003), (20.0, -0.004)])
+@pytest.mark.parametrize('seed', range(4))
+def test_a_loose_shaft_farther_from_the_given_speed_is_no_fault(seed, shaft_hz, off):
+    """Its lines are multiples of the shaft, and no inner race's with sidebands at another turn."""
+    rng, rate, seconds = np.random.default_rng(seed), 12_800.0, 8.0
+    turns = np.arange(1.0, seconds * shaft_hz - 1.0)
+    jitter, heights = rng.standard_normal((2, len(turns)))
+    x = np.zeros(int(rate * seconds))
+    x[((turns + 0.002 * jitter) / shaft_hz * rate).astype(int)] = np.exp(0.3 * heights)
+    pole = np.exp((-0.03 + 1.0j) * 2.0 * np.pi * 1000.0 / rate)
+    x = signal.lfilter([1.0], [1.0, -2.0 * pole.real, abs(pole) ** 2], x)
+    x = x / x.std() + rng.standard_normal(len(x))
+    said = diagnose_record(x, rate, find_bearing('6307'), shaft_hz * (1.0 + off))
+    assert said.level == 'suspect', said.reasons
+
+
 @pytest.mark.parametrize('name', ['6312', '6203', '6308'])
 @pytest.mark.parametrize('sway', [0.005, 0.01, 0.02])
 def test_a_loose_shaft_whose_speed_moves_is_no_alarm(rng, name, sway):

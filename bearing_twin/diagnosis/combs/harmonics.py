@@ -44,6 +44,9 @@ MISSING = 0.25
 ``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height. Those
 of pulses at a multiple of an order are below it, those of faults are not (half_pulses)."""
 
+_APART = 2.0
+"""Standard deviations of a mean of lines by which two spacings of sidebands are told apart."""
+
 _SLOWEST = 0.12
 """Lowest fundamental order of a denser series."""
 
@@ -281,6 +284,47 @@ def masked_by_shaft(
         comb = shaft = np.maximum(comb, shaft)
     higher = shaft[harmonics].mean() >= comb[harmonics].mean()
     return bool(higher and shaft[others].mean() > shaft[harmonics].mean() - _ALIKE)
+
+
+def spaced_by_shaft(
+    spectra: OrderSpectra, order: float, columns: NDArray[np.intp], reach: float
+) -> bool:
+    """
+    Whether the sidebands of a comb fit a shaft whose multiple it is, as well as any other shaft.
+
+    Strikes a whole number of times a turn, alike or not, have lines at multiples of the shaft
+    only. An inner race that passes through a load zone has its sidebands a turn apart as well,
+    but it is a whole number of turns at one slip only.
+
+    Parameters
+    ----------
+    spectra, order, columns
+        As in :func:`denser_series`.
+    reach
+        Relative distance from the speed of the spectra up to which the shaft may turn.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    >>> loose = OrderSpectra.of_lines(1.006 * np.arange(1, 19))
+    >>> spaced_by_shaft(loose, 5.03, np.array([0]), 0.02)
+    True
+    >>> race = (5.03 * np.arange(1, 4)[:, None] + np.arange(-2, 3)).ravel()
+    >>> spaced_by_shaft(OrderSpectra.of_lines(race), 5.03, np.array([0]), 0.02)
+    False
+
+    """
+    whole = order / max(round(order), 1)
+    if abs(whole - 1.0) > reach:
+        return False
+    # Two gaps beside a harmonic: half a bin more moves the farther sidebands by one.
+    gaps = np.arange(1.0 - reach, 1.0 + reach, 0.25 * spectra.step)
+    gaps = np.append(whole, gaps)[:, None]
+    sides = [order * np.arange(HARMONICS + 1) + side * gaps for side in (-2, -1, 1, 2)]
+    # The multiples of the shaft itself, below the comb, count once.
+    lines = np.concatenate((sides[0][:, 1:], sides[1][:, 1:], *sides[2:]), axis=1)
+    heights = line_heights(spectra, lines.ravel(), columns).reshape(lines.shape).mean(axis=1)
+    scatter = _SPREAD / math.sqrt(lines.shape[1] * spectra.weight)
+    return bool(heights[0] > heights.max() - _APART * scatter)
 
 
 @compiled(fast=FAST, borrows=True)

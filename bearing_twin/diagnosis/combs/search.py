@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.combs.harmonics import (
     masked_by_shaft,
     MISSING,
     missing_harmonics,
+    spaced_by_shaft,
 )
 from bearing_twin.diagnosis.combs.sidebands import (
     comb_powers,
@@ -84,7 +85,7 @@ class CombSearch:
         self.orders = fault_orders(bearing)
         self._slipped = fault_orders(bearing, SLIP[1])
         self._n_balls = bearing.n_balls
-        self._uncertainty = speed.uncertainty
+        self._uncertainty, self._tolerance = speed.uncertainty, speed.tolerance
         # Six harmonics of the shaft place its speed within a sixth of a bin of the first.
         found = spectra.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
         measured = speed.tolerance <= STEADY
@@ -256,9 +257,13 @@ class CombSearch:
 
         It can at a whole number within the uncertainty of a speed that neither a measurement nor
         the lines of the shaft tell, and where the speed moves so that the comb smears over it.
-        What passes a load zone is an inner race.
+        What passes a load zone is an inner race, unless its sidebands fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
+        if candidate.place == 'inner' and self.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE:
+            columns, reach = np.array([candidate.band]), self._tolerance
+            shaft = self._spread and spaced_by_shaft(self._all, order, columns, reach)
+            return turns if shaft else 0
         # Strikes once a turn have all lines alike, and look sharp where the speed moves a little.
         strikes = candidate.place != 'inner' and self.alike(candidate)
         if not turns or self._spread <= (0.0 if strikes else _SHARP * self._all.step):
@@ -267,10 +272,7 @@ class CombSearch:
         slack = max(spread, self._uncertainty) if strikes else spread or self._uncertainty
         if abs(order - turns) > slack * order and not self._reaches(order, turns):
             return 0
-        if strikes or candidate.place == 'outer':
-            return turns
-        swings = self.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE
-        return 0 if candidate.place == 'ball' or swings else turns
+        return turns if strikes or candidate.place != 'ball' else 0
 
     def alike(self, candidate: Candidate) -> bool:
         """Whether the lines a turn beside a comb are as high as its own, as of a loose shaft."""
