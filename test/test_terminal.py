@@ -146,8 +146,7 @@ def test_colours_in_a_terminal_and_nowhere_else(tmp_path):
     from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 
     path = tmp_path / 'inner.npz'
-    # In two seconds the inner race of a 6307 (4.97 orders) and strikes of five a turn are alike.
-    np.savez(path, x=fault_signal(4.0), fs=RATE, rpm=60.0 * SHAFT_HZ)
+    np.savez(path, x=fault_signal(2.0), fs=RATE, rpm=60.0 * SHAFT_HZ)
     words = ['diagnose', str(path), '--bearing', '6307']
     assert '\x1b[1;31minner [fault]\x1b[0m' in run_in_terminal(words, NO_COLOR='', TERM='xterm')
     assert '\x1b' not in run_in_terminal(words, NO_COLOR='1', TERM='xterm')

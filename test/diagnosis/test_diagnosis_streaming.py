@@ -102,12 +102,11 @@ def test_gap_restart_rate_change_and_reconfigure_start_the_window_anew():
 def test_a_rate_that_moves_a_little_does_not_restart_the_window():
     """A driver that measures its rate: 25600 +- 0.01 Hz."""
     x, diagnoser = fault_signal(4.0), StreamingDiagnoser(BEARING, SHORT)
-    # With a nominal speed two seconds do not tell an inner race from five strikes a turn.
-    steady = _push(StreamingDiagnoser(BEARING, SHORT), x, speed_measured=True)
+    steady = _push(StreamingDiagnoser(BEARING, SHORT), x)
     found = []
     for number, start in enumerate(range(0, len(x), 1024)):
-        rate, part = RATE + 0.01 * (number % 3 - 1), x[start : start + 1024]
-        found += diagnoser.push(start, part, rate, SHAFT_HZ, speed_measured=True)
+        rate = RATE + 0.01 * (number % 3 - 1)
+        found += diagnoser.push(start, x[start : start + 1024], rate, SHAFT_HZ)
     assert [d.sample_count for d in found] == [d.sample_count for d in steady]
     assert [d.result for d in found] == [d.result for d in steady]
     assert found[-1].sample_rate == RATE - 0.01
@@ -234,8 +233,7 @@ def test_the_level_follows_after_as_many_equal_verdicts_as_it_is_held(hold):
         settings = replace(SHORT, window=4.0, hold_updates=updates)
         diagnoser = StreamingDiagnoser(BEARING, settings)
         assert _push(diagnoser, quiet)[-1].level == 'ok'
-        # With a nominal speed the first seconds would be ambiguous.
-        published[updates] = _push(diagnoser, fault, first=len(quiet) + 1, speed_measured=True)
+        published[updates] = _push(diagnoser, fault, first=len(quiet) + 1)
     # Held for one update the answer is each window's own.
     begin = next(n for n, d in enumerate(published[1]) if d.result == 'inner')
     assert {(d.result, d.level) for d in published[1][begin:]} == {('inner', 'fault')}

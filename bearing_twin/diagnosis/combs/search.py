@@ -257,13 +257,15 @@ class CombSearch:
 
         It can at a whole number within the uncertainty of a speed that neither a measurement nor
         the lines of the shaft tell, and where the speed moves so that the comb smears over it.
-        What passes a load zone is an inner race, unless its sidebands fit the shaft as well.
+        What passes a load zone is an inner race, unless its sidebands are as high as its own lines
+        and fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
         if candidate.place == 'inner' and self.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE:
-            columns, reach = np.array([candidate.band]), self._tolerance
-            shaft = self._spread and spaced_by_shaft(self._all, order, columns, reach)
-            return turns if shaft else 0
+            if not self._spread or not self.alike(candidate):
+                return 0
+            columns = np.array([candidate.band])
+            return turns if spaced_by_shaft(self._all, order, columns, self._tolerance) else 0
         # Strikes once a turn have all lines alike, and look sharp where the speed moves a little.
         strikes = candidate.place != 'inner' and self.alike(candidate)
         if not turns or self._spread <= (0.0 if strikes else _SHARP * self._all.step):
