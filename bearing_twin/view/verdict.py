@@ -13,6 +13,7 @@ from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.machine.dependence import Z90
 from bearing_twin.diagnosis.machine.level import is_urgent
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.stamps import stamp_ns, time_unit
@@ -167,8 +168,10 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
     rows = [('Peak', f'{peak}, crest factor {crest}, kurtosis {kurtosis}')]
     if not diagnosis.iso_zone:
         why = ': needs machine group, mounting and speed'
-        if not math.isfinite(diagnosis.velocity_rms):
-            why = ': needs the unit of an acceleration, and at least 1 s'
+        if not math.isfinite(acceleration_factor(diagnosis.unit)):
+            why = ': needs the unit of an acceleration'
+        elif not math.isfinite(diagnosis.velocity_rms):
+            why = ': needs at least 1 s'
         elif diagnosis.shaft_hz < SLOW_HZ:
             why = ' below 600 1/min'
         rows.append(('Zone', f'none of ISO 20816-3{why}'))

@@ -301,3 +301,20 @@ def test_a_level_that_is_corrected_says_by_how_much_and_on_what_it_rests():
     made.peak = made.crest_factor = made.kurtosis = 1.0
     assert 'Corrected' not in dict(facts(made))
     assert dict(measured(made))['Correction'] == made.correction_basis
+
+
+@pytest.mark.parametrize(
+    ('unit', 'velocity', 'shaft', 'why'),
+    [
+        ('', math.nan, 25.0, ': needs the unit of an acceleration'),
+        ('V', math.nan, 25.0, ': needs the unit of an acceleration'),
+        ('g', math.nan, 25.0, ': needs at least 1 s'),
+        ('g', 1.0, 5.0, ' below 600 1/min'),
+        ('m/s^2', 1.0, 25.0, ': needs machine group, mounting and speed'),
+    ],
+)
+def test_why_there_is_no_zone_names_what_is_missing(unit, velocity, shaft, why):
+    made = verdict('healthy', shaft=shaft)
+    made.peak = made.crest_factor = made.kurtosis = 1.0
+    made.unit, made.velocity_rms = unit, velocity
+    assert dict(measured(made))['Zone'] == f'none of ISO 20816-3{why}'
