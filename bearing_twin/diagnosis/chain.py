@@ -402,18 +402,15 @@ class Analysis:
         given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
         at_given = accumulate([each.at_given_speed() for each in windows])
         at_this, gap = evidence(at_given, given), speed.shaft_hz / given_hz
+        mistaken = partial(_mistaken, at_given, gap=gap, tolerance=speed.tolerance)
         least = _CLEARER * verdict.weight
         clear = (comb for comb in at_this.candidates.values() if comb.weight > least)
-        if not any(_mistaken(at_given, comb, gap, speed.tolerance) for comb in clear):
+        if not any(map(mistaken, clear)):
             return trusted(refined, verdict), speed
         other = answer(at_this)
         sure = other.level == 'fault' and other.result in PLACES
         clearer = sure and other.weight > least
-        if (
-            clearer
-            and other.strongest
-            and _mistaken(at_given, other.strongest, gap, speed.tolerance)
-        ):
+        if clearer and other.strongest and mistaken(other.strongest):
             return trusted(at_this, other), given
         return trusted(refined, verdict), speed
 
