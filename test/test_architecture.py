@@ -99,7 +99,7 @@ RERUN = (
     'opening',
     'viewer',
 )
-"""The same for the room of Rerun within the view, of which the pictures are a room."""
+"""The same for Rerun, a room of the view."""
 
 CORE = ('numerics', 'bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration', 'paper')
 
