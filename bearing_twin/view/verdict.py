@@ -12,7 +12,8 @@ from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.machine.dependence import Z90
-from bearing_twin.diagnosis.machine.level import is_urgent
+from bearing_twin.diagnosis.machine.level import is_urgent, UNKNOWN
+from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
@@ -23,8 +24,8 @@ SUSTAINED = 3
 """Windows in a row from which on a verdict is no passing one."""
 NO_LEVEL = 3
 """Constant ``LEVEL_NONE`` of a Diagnosis."""
-OK, FAULT = 0, 2
-"""Constants ``LEVEL_OK`` and ``LEVEL_FAULT``."""
+OK, SUSPECT, FAULT = 0, 1, 2
+"""Constants ``LEVEL_OK``, ``LEVEL_SUSPECT`` and ``LEVEL_FAULT``."""
 RANKS: dict[float, int] = {NO_LEVEL: 0, OK: 1, 1: 2, FAULT: 3}
 """Rank of the constants ``LEVEL_...``: none, ok, suspect, fault."""
 RIVAL = 0.7
@@ -108,6 +109,21 @@ def _stage(diagnosis: Any) -> int:
     return int(stage) if stage in range(len(STAGES)) else 0
 
 
+def confidence(diagnosis: Any) -> tuple[str, str]:
+    """Return how sure a verdict is, and of what; '' twice where it makes no statement."""
+    sure, faults = float(diagnosis.confidence), tuple(getattr(diagnosis, 'faults', ()))
+    level = 'suspect' if diagnosis.level == SUSPECT else ''
+    rule = str(getattr(diagnosis, 'rule', ''))
+    kind = kind_of(str(diagnosis.result_name), level, faults, rule)
+    if not sure > 0.0 or kind not in CLAIMS:
+        return '', ''
+    # Nothing is certain.
+    share = '> 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
+    if sure == UNKNOWN and not faults and kind != 'healthy':
+        return share, '(no simulation tells)'
+    return share, CLAIMS[kind]
+
+
 def facts(diagnosis: Any) -> list[tuple[str, str]]:
     """Return the lines of the card of a verdict; what is not known is left out."""
     unit = pretty(diagnosis.unit)
@@ -122,13 +138,14 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
             )
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
-    stage, sure = _stage(diagnosis), float(diagnosis.confidence)
-    # Nothing is certain, and where there is no statement there is nothing to be sure of.
-    confidence = '> 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
+    stage, (share, claim) = _stage(diagnosis), confidence(diagnosis)
+    # Where the heading names a place the claim is plain.
+    named = stage and claim == CLAIMS['fault']
     if stage:
-        rows.append(('Stage', f'{stage} of 4, {STAGES[stage]}; confidence {confidence}'))
-    elif sure > 0.0:
-        rows.append(('Confidence', confidence))
+        text = f'{stage} of 4, {STAGES[stage]}'
+        rows.append(('Stage', f'{text}; confidence {share}' if named else text))
+    if share and not named:
+        rows.append(('Confidence', f'{share} {claim}'))
     if math.isfinite(diagnosis.rms):
         level = number(diagnosis.rms, f'{unit} rms' if diagnosis.unit else f'rms ({unit})')
         if math.isfinite(diagnosis.level_over_baseline):

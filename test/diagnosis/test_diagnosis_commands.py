@@ -20,8 +20,8 @@ import numpy as np
 import pytest
 
 KEYS = {
-    'file', 'channel', 'source', 'bearing', 'result', 'faults', 'level', 'confidence', 'shaft_hz',
-    'slip', 'evidence', 'reasons', 'next_step',
+    'file', 'channel', 'source', 'bearing', 'result', 'faults', 'level', 'confidence', 'claim',
+    'shaft_hz', 'slip', 'evidence', 'reasons', 'next_step',
 }  # fmt: skip
 
 

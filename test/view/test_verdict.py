@@ -156,8 +156,26 @@ def test_a_machine_in_zone_d_is_not_only_recorded_again():
 
 def test_nothing_is_certain():
     inner, silent = verdict('inner', confidence=0.9999), verdict('insufficient', confidence=0.0)
-    assert dict(facts(inner))['Confidence'] == '> 99 %'
+    assert dict(facts(inner))['Confidence'] == '> 99 % that this place is damaged'
     assert 'Confidence' not in dict(facts(silent))
+
+
+@pytest.mark.parametrize(
+    ('result', 'faults', 'rule', 'sure', 'claim'),
+    [
+        ('suspect', [], 'elsewhere', 0.999, '> 99 % that something strikes, not which part'),
+        ('suspect', ['outer'], 'extraneous', 0.9, '90 % that something strikes, not which part'),
+        ('suspect', ['outer'], 'smooth', 0.9, '90 % that the bearing is damaged'),
+        ('ambiguous', ['outer', 'ball'], '', 0.9, '90 % that one of these places is damaged'),
+        # The level asks for it, and no comb does.
+        ('ambiguous', [], 'healthy', 0.5, '50 % (no simulation tells)'),
+        ('healthy', [], '', 0.9, '90 % that no part is damaged'),
+    ],
+)
+def test_the_confidence_says_what_it_is_about(result, faults, rule, sure, claim):
+    said = verdict(result, confidence=sure)
+    said.faults, said.rule = faults, rule
+    assert dict(facts(said))['Confidence'] == claim
 
 
 @pytest.mark.parametrize(

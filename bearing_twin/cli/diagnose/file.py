@@ -18,7 +18,7 @@ from bearing_twin.cli.terminal import plain
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.foreign import read_signal
-from bearing_twin.view.verdict import next_step
+from bearing_twin.view.verdict import confidence, next_step
 
 if TYPE_CHECKING:
     from bearing_twin.cli.diagnose.task import Task
@@ -73,6 +73,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'faults': list(diagnosis.faults),
         'level': diagnosis.level,
         'confidence': round(diagnosis.confidence, 4),
+        'claim': confidence(message)[1],
         'shaft_hz': plain(diagnosis.shaft_hz, DIGITS),
         'slip': plain(diagnosis.slip, DIGITS),
         'evidence': evidence(diagnosis),

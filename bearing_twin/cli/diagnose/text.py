@@ -30,7 +30,8 @@ def card(message: Any) -> list[list[str]]:
 def line(answer: dict[str, Any]) -> str:
     """One of many files: a line, and why below it."""
     name = f'{answer["file"]}, {answer["channel"]}' if answer['channel'] else answer['file']
-    text = f'{name}: {_verdict(answer)}, confidence {answer["confidence"]:.2f}'
+    sure = f'{answer["confidence"]:.2f} {answer["claim"]}'.strip()
+    text = f'{name}: {_verdict(answer)}, confidence {sure}'
     if answer['shaft_hz'] is not None:
         text += f', shaft {answer["shaft_hz"]:.3f} Hz'
     return '\n    '.join([text, *answer['reasons']])

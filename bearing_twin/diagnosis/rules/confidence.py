@@ -12,16 +12,27 @@ import math
 from statistics import fmean
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import SLIP_COST
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bearing_twin.diagnosis.combs.candidate import Candidate
     from bearing_twin.diagnosis.rules.evidence import Evidence
 
-KINDS = ('fault', 'suspect', 'ambiguous', 'elsewhere', 'healthy')
-"""Kinds of answers that have a confidence: ``'fault'`` stands for every named fault,
-``'elsewhere'`` for impacts at an order of no part of the bearing."""
+CLAIMS = {
+    'fault': 'that this place is damaged',
+    'suspect': 'that the bearing is damaged',
+    'ambiguous': 'that one of these places is damaged',
+    'elsewhere': 'that something strikes, not which part',
+    'healthy': 'that no part is damaged',
+}
+"""Kinds of answers that have a confidence, and what its share of right answers is about:
+``'fault'`` stands for every named fault, ``'elsewhere'`` for impacts at an order of no part of the
+bearing."""
+KINDS = tuple(CLAIMS)
 
 _SOUND = {
     'constant': 3.3489,
@@ -115,6 +126,34 @@ class Trust:
         }
         sound = sum(weight * terms[name] for name, weight in _SOUND.items())
         return {**terms, 'sound': sound, self.rule: 1.0}
+
+
+def kind_of(result: str, level: str, faults: Sequence[str], rule: str) -> str:
+    """
+    Kind of an answer, one of :data:`KINDS`; '' of one that makes no statement.
+
+    Parameters
+    ----------
+    result, level, faults
+        The answer, its level and the places that it names.
+    rule
+        Rule that decided.
+
+    >>> kind_of('outer', 'fault', ('outer',), ''), kind_of('outer', 'suspect', ('outer',), '')
+    ('fault', 'suspect')
+    >>> CLAIMS[kind_of('suspect', 'suspect', (), 'elsewhere')]
+    'that something strikes, not which part'
+
+    """
+    if result == 'insufficient':
+        return ''
+    if result in PLACES:
+        # A place that is named without an alarm has the trust of a suspicion.
+        return 'suspect' if level == 'suspect' else 'fault'
+    if result == 'suspect' and (not faults or rule == 'extraneous'):
+        # The lines at a fault order are said to be of something else.
+        return 'elsewhere'
+    return result
 
 
 @functools.cache

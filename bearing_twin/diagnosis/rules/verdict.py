@@ -6,8 +6,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import PLACES
-from bearing_twin.diagnosis.rules.confidence import confidence, Trust
+from bearing_twin.diagnosis.rules.confidence import confidence, kind_of, Trust
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_NOISE
 
 if TYPE_CHECKING:
@@ -53,15 +52,7 @@ class Verdict(NamedTuple):
     @property
     def kind(self) -> str:
         """Kind of answer, by which answers are compared: see ``confidence``; '' for no answer."""
-        if self.result == 'insufficient':
-            return ''
-        if self.result in PLACES:
-            # A place that is named without an alarm has the trust of a suspicion.
-            return 'suspect' if self.level == 'suspect' else 'fault'
-        if self.result == 'suspect' and (not self.faults or self.rule == 'extraneous'):
-            # The lines at a fault order are said to be of something else.
-            return 'elsewhere'
-        return self.result
+        return kind_of(self.result, self.level, self.faults, self.rule)
 
     @property
     def confidence(self) -> float:
