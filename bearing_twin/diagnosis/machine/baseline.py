@@ -36,13 +36,6 @@ MOST_SCATTER_DB = 2.0
 """Scatter up to which a machine has a baseline. Six times as much are 12 dB: a machine that
 scatters more would be called ok at four times its level. Several machines in one series do."""
 
-SETTLED = (
-    f'over which the level moved by less than {SETTLED_DB:g} dB and the temperature by less than '
-    f'{SETTLED_K:g} K, with a scatter of at most {MOST_SCATTER_DB:g} dB, less than {{most:g}} dB '
-    'above the lowest before'
-)
-"""What levels do that make a baseline."""
-
 _ANY = 'at '
 """Begins the name of the class of all speeds; the octaves that they are corrected to end it."""
 

@@ -9,7 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES
-from bearing_twin.diagnosis.machine.baseline import Memory, SETTLED
+from bearing_twin.diagnosis.machine.baseline import Memory
 from bearing_twin.diagnosis.machine.dependence import Condition, KNOWN_DB, Z90
 from bearing_twin.diagnosis.machine.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise
@@ -27,8 +27,7 @@ _SAME_RATE = 0.05
 _DOUBTFUL = 0.1
 """Share of doubtful windows above which the baseline says that it was learnt beside them."""
 _NOT_YET = (
-    f'no baseline: it takes {{wanted}} healthy windows in a row {SETTLED}; so far {{count}} were '
-    'healthy and {doubtful} suspect or faulty; what combs and the ISO zone say holds without it'
+    'no baseline: {wanted} settled healthy windows wanted; {count} healthy, {doubtful} doubtful'
 )
 _LEARNT_IN_DOUBT = (
     'the baseline was learnt from {wanted} healthy windows among {doubtful} that were suspect or '
@@ -185,8 +184,7 @@ class Trend:
         base, laws = memory.base, memory.laws()
         if self.doubtful > _DOUBTFUL * wanted or (base is None and self.count > wanted):
             text = _LEARNT_IN_DOUBT if base else _NOT_YET
-            known = {'count': self.count, 'doubtful': self.doubtful, 'most': _MOST_OVER_DB}
-            said.append(text.format(wanted=wanted, **known))
+            said.append(text.format(wanted=wanted, count=self.count, doubtful=self.doubtful))
         changes, deviations = np.array([law.correct(now, memory.at) for law in laws]).T
         same = [law.comparable(now, memory.at) for law in laws]
         none = -math.inf if same[0] else math.nan

@@ -16,7 +16,6 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.machine.baseline import SETTLED
 from bearing_twin.diagnosis.machine.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
@@ -458,11 +457,13 @@ class SeriesMonitor:
             reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')
         elif base is None:
             count, hertz = self._kept.memory.most()
-            at = '' if math.isnan(hertz) else f' at one speed (most: {count} at {hertz:.4g} Hz)'
-            reasons.append(
-                f'no baseline: it takes {self._settings.baseline_windows} snapshots in a row{at} '
-                f'{SETTLED.format(most=SUSPECT_DB)}; so far {len(self._kept.points)} were judged'
-            )
+            wanted = self._settings.baseline_windows
+            why = f'{wanted} snapshots in a row wanted; {len(self._kept.points)} judged'
+            if count >= wanted:
+                why = f'level or temperature moves, or {SUSPECT_DB:g} dB above the lowest'
+            elif not math.isnan(hertz):
+                why = f'{wanted} snapshots at one speed wanted; most: {count} at {hertz:.4g} Hz'
+            reasons.append(f'no baseline: {why}')
         if self.lost:
             reasons.append(f'not known: the last {self._kept.unjudged} snapshots were not judged')
         if self._kept.points:
