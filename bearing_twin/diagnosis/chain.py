@@ -342,7 +342,7 @@ class Analysis:
         combs = CombSearch(there, self.excerpt.bearing, speed._replace(shaft_hz=hertz))
 
         def shows(comb: Candidate) -> bool:
-            shown = min(combs.top / comb.order, HARMONICS) // 1.0 / HARMONICS
+            shown = min(there.top / comb.order, HARMONICS) // 1.0 / HARMONICS
             least = max(Z_SECOND_LOOK, clearest / RIVAL * math.sqrt(shown))
             return comb.z >= least and comb.index >= 0.5 * INDEX_FAULT
 
@@ -386,7 +386,7 @@ class Analysis:
 
         def evidence(spectra: OrderSpectra, speed: ShaftSpeed) -> Evidence:
             combs = CombSearch(spectra, bearing, speed)
-            outer_hz = combs.orders.bpfo * speed.shaft_hz
+            outer_hz = combs.expected.without_slip.bpfo * speed.shaft_hz
             plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
             passages = partial(window.ball_passages, bearing)
             return Evidence(combs, turns, steps, window.kurtosis, plain, passages)

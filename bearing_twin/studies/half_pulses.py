@@ -87,7 +87,7 @@ def measured(kind: str, number: int) -> tuple[float, bool] | None:
     if comb.z < Z_FAULT or comb.index < INDEX_FAULT:
         return None
     verdict = decide(Evidence(combs, found.revolutions))
-    spectra, columns = combs.spectra, combs.clear_columns(2.0 * comb.order)
+    spectra, columns = combs.spectra, combs.harmonics.clear_columns(2.0 * comb.order)
     height = unshared_height(spectra, comb.order, 2, columns, spectra.quiet)
     return height, verdict.level == 'fault'
 

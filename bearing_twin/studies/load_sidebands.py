@@ -92,7 +92,7 @@ def measured(spread: float, seed: int) -> float:
     window = Excerpt.of(x, turning, RATE, bearing, DiagnosisSettings()).analyse().window
     assert window is not None
     combs = CombSearch(window.orders, bearing, window.speed)
-    return combs.shaft_sideband_ratio(combs.best('inner'))
+    return combs.sidebands.shaft_sideband_ratio(combs.best('inner'))
 
 
 def main(argv: Sequence[str] | None = None) -> None:

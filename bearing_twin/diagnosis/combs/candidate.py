@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 
+RACES = ('inner', 'outer')
+"""Places whose sidebands of the shaft are measured."""
 UNTESTED = 1.0
 """Sideband ratio of a comb whose sidebands were not measured."""
 

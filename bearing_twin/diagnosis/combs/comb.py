@@ -85,6 +85,21 @@ class OrderSpectra:
         """(K,) mask of the bins that say nothing."""
         return np.zeros(len(self.logs), np.bool_) if self.hidden is None else self.hidden
 
+    @property
+    def top(self) -> float:
+        """Order of the last row."""
+        return len(self.logs) * self.step
+
+    @cached_property
+    def at_shaft(self) -> NDArray[np.bool_]:
+        """(K,) mask of the bins at multiples of the shaft."""
+        return self.near(np.arange(1.0, self.top + 1.0), 1.25 * self.step)
+
+    @cached_property
+    def off_shaft(self) -> OrderSpectra:
+        """The same without what the bins at multiples of the shaft say."""
+        return replace(self, hidden=self.quiet | self.at_shaft)
+
     def line_power(self, orders: NDArray[np.float64], columns: slice) -> NDArray[np.float32]:
         """Power above the floor of lines, (..., C): each spreads over three bins."""
         first, end, _ = columns.indices(self.excess.shape[1])

@@ -28,7 +28,8 @@ from typing import Any, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
 from bearing_twin.diagnosis.combs.candidate import Candidate, Claims, LoadZone
-from bearing_twin.diagnosis.combs.search import CombSearch
+from bearing_twin.diagnosis.combs.comb_harmonics import CombHarmonics
+from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     IMPACTS,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    from bearing_twin.diagnosis.combs.search import CombSearch
 
 
 _T = TypeVar('_T')
@@ -69,13 +71,13 @@ def _measured(*, undisturbed: Any) -> Callable[[Callable[[Evidence], _T]], cache
 
 
 def _of_leading(
-    measure: Callable[[CombSearch, Candidate], _T], *, undisturbed: Any
+    part: str, measure: Callable[[Any, Candidate], _T], *, undisturbed: Any
 ) -> cached_property[_T]:
-    """Quantity of the leading comb, as the search measures and describes it."""
+    """Quantity of the leading comb, as one part of the search measures and describes it."""
 
     @wraps(measure)
     def quantity(e: Evidence) -> _T:
-        return measure(e._combs, e.leading)
+        return measure(getattr(e, part), e.leading)
 
     return _measured(undisturbed=undisturbed)(quantity)
 
@@ -113,6 +115,7 @@ class Evidence:
         ball_passages: Callable[[], float] = float,
     ) -> None:
         self._combs = combs
+        self._harmonics, self._sidebands = combs.harmonics, combs.sidebands
         self._low_lines, self._kurtosis = low_lines, kurtosis
         self._ball_passages = ball_passages
         self.turns = turns
@@ -168,22 +171,22 @@ class Evidence:
     @_measured(undisturbed=math.inf)
     def sample_rate(self) -> float:
         """Hz."""
-        return self._combs.sample_rate
+        return 2.0 * self._combs.spectra.highest * self.shaft_hz
 
     @cached_property
     def bearing(self) -> Bearing:
         """Geometry."""
-        return self._combs.bearing
+        return self._combs.expected.bearing
 
     @cached_property
     def cage_turns(self) -> float:
         """Turns of the cage in a window: averaging windows does not part its lines."""
-        return self._combs.orders.ftf / self.step
+        return self._combs.expected.without_slip.ftf / self.step
 
     @_measured(undisturbed=True)
     def speed_known(self) -> bool:
         """Whether the shaft speed is known well enough to compare slips and place sidebands."""
-        return self._combs.speed_known
+        return self._combs.expected.speed_known
 
     @_measured(undisturbed=0.005)
     def step(self) -> float:
@@ -201,7 +204,7 @@ class Evidence:
         """Places whose comb is a smooth modulation that sound parts and noise make together."""
         most = math.hypot(INDEX_SOUND, INDEX_NOISE * math.sqrt(INDEX_NOISE_TURNS / self.turns))
         shown = (c for c in self.candidates.values() if c.significant)
-        return frozenset(c.place for c in shown if self._combs.sound(c, most))
+        return frozenset(c.place for c in shown if self._harmonics.sound(c, most))
 
     @_measured(undisturbed=())
     def on_second_look(self) -> tuple[Candidate, ...]:
@@ -250,13 +253,13 @@ class Evidence:
     @_measured(undisturbed={})
     def extraneous_orders(self) -> Mapping[str, float]:
         """Order of the harmonic series that the comb of a place merely shares lines with."""
-        orders = {c.place: self._combs.extraneous_order(c) for c in self.significant}
+        orders = {c.place: self._harmonics.extraneous_order(c) for c in self.significant}
         return {place: order for place, order in orders.items() if order}
 
     @_measured(undisturbed=frozenset())
     def masked_by_shaft(self) -> frozenset[str]:
         """Places whose comb may be a multiple of the shaft, no higher than the others."""
-        return frozenset(c.place for c in self.significant if self._combs.masked_by_shaft(c))
+        return frozenset(c.place for c in self.significant if self._harmonics.masked_by_shaft(c))
 
     @cached_property
     def own(self) -> tuple[Candidate, ...]:
@@ -283,7 +286,7 @@ class Evidence:
                     continue
                 if c not in left or other not in left:
                     continue
-                owner = self._combs.sideband_owner(other, c)
+                owner = self._sidebands.sideband_owner(other, c)
                 left.remove(other if owner is c else c)
                 # Sidebands alone do not make up for twice the slip that costs one standard
                 # deviation.
@@ -332,12 +335,12 @@ class Evidence:
     @_measured(undisturbed=0.0)
     def cage_high_harmonics(self) -> float:
         """Power of the cage's fifth to eighth harmonic over that of its first four."""
-        return self._combs.high_harmonics_ratio(self.candidates['cage'])
+        return self._harmonics.high_harmonics_ratio(self.candidates['cage'])
 
     @_measured(undisturbed={})
     def shaft_sideband_ratios(self) -> Mapping[str, float]:
         """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
-        return {c.place: self._combs.shaft_sideband_ratio(c) for c in self._races_and_balls}
+        return {c.place: self._sidebands.shaft_sideband_ratio(c) for c in self._races_and_balls}
 
     @_measured(undisturbed={})
     def inner_race_ratios(self) -> Mapping[str, float]:
@@ -347,7 +350,7 @@ class Evidence:
             for c in self._races_and_balls
             if c.place != 'inner'
             and self.shaft_sideband_ratios[c.place] > LOAD_ZONE
-            and (ratio := self._combs.inner_race_ratio(c)) * RIVAL > 1.0
+            and (ratio := self._sidebands.inner_race_ratio(c)) * RIVAL > 1.0
         }
 
     @cached_property
@@ -446,16 +449,22 @@ class Evidence:
             return {}
         return {cause.place: self._combs.without(cause) for cause in self.nameable}
 
-    mains_hz = _of_leading(CombSearch.mains_hz, undisturbed=0.0)
-    cage_sideband_order = _of_leading(CombSearch.cage_sideband_order, undisturbed=0.0)
-    another_cage_order = _of_leading(CombSearch.another_cage_order, undisturbed=0.0)
-    cage_series_order = _of_leading(CombSearch.cage_series_order, undisturbed=0.0)
-    shaft_sidebands_dominate = _of_leading(CombSearch.shaft_sidebands_dominate, undisturbed=False)
+    mains_hz = _of_leading('_harmonics', CombHarmonics.mains_hz, undisturbed=0.0)
+    cage_sideband_order = _of_leading(
+        '_sidebands', CombSidebands.cage_sideband_order, undisturbed=0.0
+    )
+    another_cage_order = _of_leading(
+        '_sidebands', CombSidebands.another_cage_order, undisturbed=0.0
+    )
+    cage_series_order = _of_leading('_sidebands', CombSidebands.cage_series_order, undisturbed=0.0)
+    shaft_sidebands_dominate = _of_leading(
+        '_sidebands', CombSidebands.shaft_sidebands_dominate, undisturbed=False
+    )
 
     @_measured(undisturbed=0.4)
     def cage_sideband_ratio(self) -> float:
         """Sidebands of the cage over the harmonics of a leading ball."""
-        return self._combs.cage_sideband(self.leading)[1]
+        return self._sidebands.cage_sideband(self.leading)[1]
 
     @_measured(undisturbed=0.3)
     def turning_sideband_ratio(self) -> float:
@@ -464,7 +473,7 @@ class Evidence:
 
         The given shaft speed may be wrong.
         """
-        return self._combs.turning_sideband(self.leading)[1]
+        return self._sidebands.turning_sideband(self.leading)[1]
 
     @_measured(undisturbed=Candidate('elsewhere', 1.5, 0.0, 0.0, 0.0))
     def elsewhere(self) -> Candidate:
@@ -480,7 +489,7 @@ class Evidence:
         a/4 of the height of the first, the others nothing. Impacts, however faint, have all.
         """
         combs = (*self.candidates.values(), self.elsewhere)
-        return {c.place: self._combs.impacts(c) for c in combs}
+        return {c.place: self._harmonics.impacts(c) for c in combs}
 
     @property
     def strikes_elsewhere(self) -> bool:
@@ -507,12 +516,12 @@ class Evidence:
     @_measured(undisturbed=frozenset())
     def loose(self) -> frozenset[str]:
         """Places whose comb may be of strikes once a turn: the other turns show as high."""
-        found = (c for c in self._races_and_balls if self._combs.alike(c))
-        return frozenset(c.place for c in found if self._combs.whole_turns(c))
+        found = (c for c in self._races_and_balls if self._sidebands.alike(c))
+        return frozenset(c.place for c in found if self._harmonics.whole_turns(c))
 
-    smooth = _of_leading(CombSearch.smooth, undisturbed=False)
-    half_turn = _of_leading(CombSearch.half_turn, undisturbed=False)
-    whole_turns = _of_leading(CombSearch.whole_turns, undisturbed=0)
+    smooth = _of_leading('_harmonics', CombHarmonics.smooth, undisturbed=False)
+    half_turn = _of_leading('_harmonics', CombHarmonics.half_turn, undisturbed=False)
+    whole_turns = _of_leading('_harmonics', CombHarmonics.whole_turns, undisturbed=0)
 
     @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:
@@ -541,18 +550,18 @@ class Evidence:
     def others(self) -> tuple[Candidate, ...]:
         """Combs of other faults beside the leading one, without the lines that it explains."""
         combs, leading = self._combs, self.leading
-        rest, slips = self._rests.get(leading.place), combs.joint_slips(leading)
+        rest, slips = self._rests.get(leading.place), combs.expected.joint_slips(leading)
         again = (combs.best(c.place, rest, slips) for c in self.nameable if c is not leading)
         return tuple(
             c
             for c in again
             if c.z >= Z_FAULT
             and c.harmonics >= 2
-            and not combs.cage_sideband_order(c)
-            and not combs.another_cage_order(c)
-            and not combs.cage_series_order(c)
-            and not combs.shaft_sidebands_dominate(c)
-            and not combs.extraneous_order(c)
+            and not self._sidebands.cage_sideband_order(c)
+            and not self._sidebands.another_cage_order(c)
+            and not self._sidebands.cage_series_order(c)
+            and not self._sidebands.shaft_sidebands_dominate(c)
+            and not self._harmonics.extraneous_order(c)
         )
 
     @cached_property

@@ -10,7 +10,8 @@ rule touches:
 - one of these files: the function, and what `Rule` asks about its answer;
 - this file: its place in the order;
 - ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
-  combs, and ``combs/search.py`` if the quantity has to be measured in the spectra;
+  combs, and ``comb_harmonics.py`` or ``comb_sidebands.py`` of ``combs`` if the quantity has to be
+  measured in the spectra;
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis_why.md``;
 - ``CASES`` in ``test/diagnosis/rules/test_rules.py``: evidence that reaches the rule;
 - the table of rules: ``python docs/rules.py docs/diagnosis.md``;

@@ -203,10 +203,10 @@ def test_harmonics_beyond_the_spectrum_are_not_counted_as_noise(rng):
         np.zeros(1, np.float32),
     )
     search = CombSearch(spectra, find_bearing('6205'), ShaftSpeed(SHAFT_HZ, 0.0005, 0.0, 0.002))
-    assert search.impacts(Candidate('elsewhere', 12.3, 0.0, 9.0, 0.8)) > 1.0
-    assert search.impacts(Candidate('elsewhere', 6.15, 0.0, 9.0, 0.8)) > 0.5
+    assert search.harmonics.impacts(Candidate('elsewhere', 12.3, 0.0, 9.0, 0.8)) > 1.0
+    assert search.harmonics.impacts(Candidate('elsewhere', 6.15, 0.0, 9.0, 0.8)) > 0.5
     # None of them is in the spectrum: nothing is known.
-    assert search.impacts(Candidate('elsewhere', 20.3, 0.0, 9.0, 0.8)) == 0.0
+    assert search.harmonics.impacts(Candidate('elsewhere', 20.3, 0.0, 9.0, 0.8)) == 0.0
 
 
 def test_pulses_at_twice_the_order_of_a_race_are_no_alarm_and_faults_are():

@@ -1,0 +1,189 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Sidebands of the combs of one bearing: whether shaft or cage modulates each."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from bearing_twin.diagnosis.combs.candidate import RACES
+from bearing_twin.diagnosis.combs.sidebands import comb_powers, sideband_ratio, sideband_ratios
+from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
+from bearing_twin.diagnosis.thresholds import LOAD_ZONE, RIVAL, SLIP, SLIP_COST, SWAY
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.diagnosis.combs.candidate import Candidate
+    from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
+    from numpy.typing import NDArray
+
+
+SIDEBANDS = 4
+"""On each side of a harmonic, of those that a fault explains."""
+_CAGES = (0.33, 0.47)
+"""Orders between which the cages of all bearings of the catalogue turn."""
+_CHANCE = (0.52, 0.62)
+"""Orders that no part turns at, nor at half of them, as wide as ``_CAGES``."""
+
+
+class CombSidebands:
+    """
+    Sidebands of the combs of one bearing: whether shaft or cage modulates each.
+
+    Parameters
+    ----------
+    whole
+        Envelope spectra over orders of the shaft.
+    expected
+        Where the parts of the bearing show in them.
+
+    """
+
+    def __init__(self, whole: OrderSpectra, expected: ExpectedOrders) -> None:
+        self._whole, self._spectra, self._expected = whole, whole.off_shaft, expected
+        self._found: dict[tuple[float, int, float, float], tuple[float, float]] = {}
+
+    def shaft_sideband_ratio(self, candidate: Candidate) -> float:
+        """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
+        return sideband_ratio(self._spectra, candidate.order, candidate.band)
+
+    def turning_sideband(self, candidate: Candidate) -> tuple[float, float]:
+        """Order near one turn of the shaft with the highest sidebands, and their ratio."""
+        return self._highest_sideband(candidate, 0.9, 1.1)
+
+    def cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
+        """Order of the cage at which a comb has its highest sidebands, and their ratio."""
+        return self._highest_sideband(candidate, *self._expected.cage_beside(candidate))
+
+    def _any_cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
+        """Highest sidebands at any speed that a cage may have: their gap and their ratio."""
+        return self._highest_sideband(candidate, *self._expected.cage())
+
+    def _highest_sideband(
+        self, candidate: Candidate, low: float, high: float
+    ) -> tuple[float, float]:
+        """Gap between two orders at which a comb has its highest sidebands, and their ratio."""
+        key = candidate.order, candidate.band, low, high
+        if key not in self._found:
+            slack = self._expected.uncertainty * high
+            # Two gaps beside a harmonic: half a bin more moves the farther sidebands by one.
+            gaps = np.arange(low - slack, high + slack + self._whole.step, 0.5 * self._whole.step)
+            ratios = sideband_ratios(self._spectra, candidate.order, candidate.band, gaps)
+            best = int(np.argmax(ratios))
+            self._found[key] = float(gaps[best]), float(ratios[best])
+        return self._found[key]
+
+    def alike(self, candidate: Candidate) -> bool:
+        """Whether the lines a turn beside a comb are as high as its own, as of a loose shaft."""
+        return self.turning_sideband(candidate)[1] * RIVAL >= 1.0
+
+    def inner_race_ratio(self, other: Candidate) -> float:
+        """
+        Amplitude of the inner race's comb over that of another comb; 0 where they are unrelated.
+
+        The other comb may be a shaft sideband of the inner race's if that one, an integer of
+        orders beside it, lies where a slip about as likely may put it.
+        """
+        order, slope = self._expected.of('inner')
+        # Not much less likely than the slip of the outer race that it would replace.
+        likely = math.hypot(other.slip, SLIP_COST)
+        slack = self._expected.uncertainty * order + 2.0 * self._whole.step
+        first = math.ceil(order + slope * max(SLIP[0], -likely) - slack - other.order)
+        last = math.floor(order + slope * min(SLIP[1], likely) + slack - other.order)
+        sides = [side for side in range(first, last + 1) if side]
+        if not sides:
+            return 0.0
+        # Harmonics of the inner race that the shaft masks count here.
+        near = np.arange(-2.0, 2.25, 0.25) * self._whole.step
+        beside = np.array(sides, np.float64)[:, None] + near
+        own, *powers = comb_powers(
+            self._whole, other.order + np.append(0.0, beside), other.band
+        ).tolist()
+        return math.sqrt(max(powers) / max(own, 1e-30))
+
+    def sideband_owner(self, one: Candidate, other: Candidate) -> Candidate | None:
+        """
+        Which of two candidates that claim one comb its sidebands fit; None where they fit neither.
+
+        An inner race is modulated by the shaft, a ball by the cage, an outer race by neither.
+        """
+        shaft = sideband_ratio(self._spectra, one.order, one.band)
+        claims = {c.place: c for c in (one, other)}
+        cage = self.cage_sideband(claims.get('ball', one))[1]
+        heights = {'inner': shaft, 'ball': cage, 'outer': LOAD_ZONE / RIVAL}
+        low, high = sorted(claims, key=lambda place: heights.get(place, 0.0))
+        return claims[high] if heights.get(high, 0.0) > RIVAL * heights.get(low, 0.0) else None
+
+    def cage_sideband_order(self, candidate: Candidate) -> float:
+        """
+        Order of the cage by which the sidebands of a race's comb are spaced, 0 if they are not.
+
+        A race does not move with the cage. Such a comb belongs to a ball or to the cage, at a
+        slip that was not expected.
+        """
+        return self._beside_race(candidate, *self._expected.cage())
+
+    def another_cage_order(self, candidate: Candidate) -> float:
+        """Order of any bearing's cage by which the sidebands of a race are spaced, 0 if none."""
+        return self._beside_race(candidate, *_CAGES)
+
+    def _beside_race(self, candidate: Candidate, low: float, high: float) -> float:
+        """
+        Gap between two orders of the sidebands of a race, 0 if those of its load are higher.
+
+        Faint ones count where a window resolves them, and where those of the shaft and what noise
+        reaches at other gaps are lower by a factor 2: balls of several sizes modulate an outer
+        race with the cage as well, beside the unbalance.
+        """
+        if candidate.place not in RACES:
+            return 0.0
+        gap, ratio = self._highest_sideband(candidate, low, high)
+        least = max(LOAD_ZONE, candidate.shaft_sideband_ratio)
+        if SWAY < ratio <= least and self._spectra.step * HEALTHY_TURNS <= 1.0:
+            chance = self._highest_sideband(candidate, *_CHANCE)[1]
+            # The given shaft speed may be wrong.
+            least = RIVAL * RIVAL * max(self.turning_sideband(candidate)[1], chance)
+        return gap if ratio > least else 0.0
+
+    def cage_series_order(self, candidate: Candidate) -> float:
+        """
+        Order of the cage whose harmonic series makes the comb of a ball, 0 if none does.
+
+        An impact once a cage turn has all harmonics equally high. The sidebands of a ball under a
+        load that is spread over some balls fade. The lines three and six, five and ten cage
+        orders beside the comb tell.
+        """
+        if candidate.place != 'ball':
+            return 0.0
+        gap, near = self._any_cage_sideband(candidate)
+        far = (
+            sideband_ratio(self._spectra, candidate.order, candidate.band, k * gap) for k in (3, 5)
+        )
+        return gap if min(near, *far) * RIVAL > 1.0 else 0.0
+
+    def shaft_sidebands_dominate(self, candidate: Candidate) -> bool:
+        """
+        Whether a ball's comb has sidebands of the shaft that are higher than those of the cage.
+
+        A ball moves with the cage. Such a comb may belong to the inner race, at a slip that was
+        not expected.
+        """
+        if candidate.place != 'ball':
+            return False
+        shaft = self.shaft_sideband_ratio(candidate)
+        return shaft > max(LOAD_ZONE, RIVAL * self.cage_sideband(candidate)[1])
+
+    def explained(self, candidate: Candidate) -> NDArray[np.float64]:
+        """Orders of the lines that a fault explains."""
+        order, reach, gap = candidate.order, SIDEBANDS, 1.0
+        if candidate.place == 'ball':
+            order, gap = 0.5 * order, self.cage_sideband(candidate)[0]
+        elif candidate.place == 'cage':
+            reach = 0
+        elif not self._expected.speed_known:
+            gap = self._highest_sideband(candidate, 1.0, 1.0)[0]
+        sides = gap * np.arange(-reach, reach + 1)
+        lines = order * np.arange(1, int(self._whole.top / order) + 2)[:, None] + sides
+        return np.asarray(lines.ravel())

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Orders at which the parts of one bearing are expected, as its cage slips."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bearing_twin.bearing import fault_orders, PLACES
+from bearing_twin.diagnosis.thresholds import JOINT_SLIP, SLIP, SLOW_CAGE, STEADY
+import numpy as np
+
+if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
+    from bearing_twin.diagnosis.combs.candidate import Candidate
+    from numpy.typing import NDArray
+
+
+class ExpectedOrders:
+    """
+    Orders at which the parts of one bearing are expected, as its cage slips.
+
+    Parameters
+    ----------
+    bearing
+        Geometry.
+    uncertainty
+        Of the shaft speed, relative.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> expected = ExpectedOrders(find_bearing('6205'), 0.001)
+    >>> order, change = expected.of('outer')
+    >>> round(order, 3), round(change, 3), expected.speed_known
+    (3.585, -3.585, True)
+
+    """
+
+    def __init__(self, bearing: Bearing, uncertainty: float) -> None:
+        self.bearing, self.uncertainty = bearing, uncertainty
+        self.without_slip = fault_orders(bearing)
+        slipped = fault_orders(bearing, SLIP[1])
+        both = (
+            (place, self.without_slip.impacts(place), slipped.impacts(place)) for place in PLACES
+        )
+        self._of: dict[str, tuple[float, float]] = {
+            place: (order, (other - order) / SLIP[1]) for place, order, other in both
+        }
+
+    @property
+    def speed_known(self) -> bool:
+        """Whether the shaft speed is known well enough to compare slips and place sidebands."""
+        return self.uncertainty <= STEADY
+
+    def of(self, place: str) -> tuple[float, float]:
+        """Order of the impacts of a place without slip, and its change by a slip of 1."""
+        return self._of[place]
+
+    def between(self, place: str, slips: tuple[float, float], step: float) -> NDArray[np.float64]:
+        """Orders of a place in a range of slip, ``step`` apart: at least one."""
+        order, slope = self.of(place)
+        ends = sorted(order + slope * slip for slip in slips)
+        slack = self.uncertainty * order
+        grid = np.arange(ends[0] - slack, ends[1] + slack, step)
+        return grid if len(grid) else np.array([order])
+
+    def cage(self) -> tuple[float, float]:
+        """Lowest and highest order at which the cage may turn."""
+        order, slope = self.of('cage')
+        return order + slope * SLOW_CAGE, order + slope * SLIP[0]
+
+    def cage_beside(self, candidate: Candidate) -> tuple[float, float]:
+        """Lowest and highest order at which the cage may turn beside a comb of some slip."""
+        order, slope = self.of('cage')
+        ends = order + slope * (candidate.slip + np.array([JOINT_SLIP, -JOINT_SLIP]))
+        return float(ends[0]), float(ends[1])
+
+    def joint_slips(self, primary: Candidate) -> tuple[float, float]:
+        """Slip that another fault of the same bearing may have, given the primary one's."""
+        if not self.speed_known or primary.place == 'cage':
+            return SLIP
+        return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP
