@@ -18,10 +18,12 @@ import tempfile
 import time
 from typing import Any
 
-from bearing_twin.assets import calibration_parameters, diagnosis_parameters, twin_parameters
-from bearing_twin.assets.calibration import CalibrationCore
-from bearing_twin.assets.calibration_task import work
-from bearing_twin.assets.spec import read_values
+from bearing_twin.assets.calibration.core import CalibrationCore
+from bearing_twin.assets.calibration.task import work
+from bearing_twin.assets.parameters import calibration as calibration_parameters
+from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
+from bearing_twin.assets.parameters import twin as twin_parameters
+from bearing_twin.assets.parameters.spec import read_values
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import vibration_block, vibration_message
 from bearing_twin.cli.demo.hidden import HIDDEN

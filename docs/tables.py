@@ -46,7 +46,7 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from bearing_twin.assets.spec import Spec
+    from bearing_twin.assets.parameters.spec import Spec
     from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.qos import QoSProfile
 

@@ -86,6 +86,19 @@ RECORDING = (
 )
 """The same for the recordings."""
 
+ASSETS = (
+    'parameters',
+    'messages',
+    'checkpoints',
+    'template',
+    'twin_messages',
+    'diagnosis',
+    'calibration',
+    'twin',
+    'fleet',
+)
+"""The same for the assets."""
+
 RERUN = (
     'timebase',
     'ending',
@@ -170,6 +183,7 @@ def test_files_beside_the_rooms_import_no_room_unless_they_start_it():
         ('dynamics', DYNAMICS),
         ('diagnosis', DIAGNOSIS),
         ('recording', RECORDING),
+        ('assets', ASSETS),
         ('view/rerun', RERUN),
     ],
 )

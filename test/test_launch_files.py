@@ -13,8 +13,8 @@ import signal
 import subprocess
 import time
 
-from bearing_twin.assets.recorder_parameters import SPECS as RECORDER
-from bearing_twin.assets.twin_parameters import SPECS as TWIN
+from bearing_twin.assets.parameters.recorder import SPECS as RECORDER
+from bearing_twin.assets.parameters.twin import SPECS as TWIN
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet import SPECS as FLEET

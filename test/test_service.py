@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import time
 
-from bearing_twin.assets.recorder_parameters import SPECS
+from bearing_twin.assets.parameters.recorder import SPECS
 import pytest
 import yaml
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.assets.diagnosis_parameters import (
+from bearing_twin.assets.messages import diagnosis_message, features_messages, spectrum_message
+from bearing_twin.assets.parameters.diagnosis import (
     build_bearing,
     build_diagnoser,
     build_settings,
     nominal_speed,
 )
-from bearing_twin.assets.messages import diagnosis_message, features_messages, spectrum_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import RateMeter

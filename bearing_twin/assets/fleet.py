@@ -10,8 +10,9 @@ from pathlib import Path
 import re
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets import diagnosis_parameters, twin_parameters
 from bearing_twin.assets.checkpoints import parameters_of
+from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
+from bearing_twin.assets.parameters import twin as twin_parameters
 from bearing_twin.dynamics.fleet.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
 import yaml

@@ -10,14 +10,14 @@ import struct
 import time
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.assets.calibration.fitted import read_fitted, Sensor
 from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
-from bearing_twin.assets.fitted import read_fitted, Sensor
-from bearing_twin.assets.twin_messages import ACCELERATION, TwinBlock
-from bearing_twin.assets.twin_parameters import (
+from bearing_twin.assets.parameters.twin import (
     build_parameters,
     build_simulator,
     FASTEST_LIVE_SHAFT,
 )
+from bearing_twin.assets.twin_messages import ACCELERATION, TwinBlock
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.saved import Envelope
 from bearing_twin.dynamics.single.successor import successor
@@ -27,7 +27,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from bearing_twin.assets.fitted import Fitted
+    from bearing_twin.assets.calibration.fitted import Fitted
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.single.simulator import Block
     from bearing_twin.streams.pacer import Due

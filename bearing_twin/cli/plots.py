@@ -7,7 +7,7 @@ from __future__ import annotations
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-from bearing_twin.assets.calibration_task import beside
+from bearing_twin.assets.calibration.task import beside
 from bearing_twin.assets.messages import diagnosis_message, spectrum_message
 from bearing_twin.dynamics.equations.sensor_path import BAND_HZ
 from bearing_twin.view.report.fitted import draw_over_each_other

@@ -13,7 +13,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.cli.terminal import by_level
 
 if TYPE_CHECKING:
-    from bearing_twin.assets.spec import Spec
+    from bearing_twin.assets.parameters.spec import Spec
 
 
 NODES = ('adapter', 'calibration', 'diagnosis', 'fleet', 'recorder', 'replay', 'twin')

@@ -9,8 +9,8 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import floats, message_header
-from bearing_twin.assets.shared_specs import HARDWARE_ID
-from bearing_twin.assets.spec import fixed
+from bearing_twin.assets.parameters.shared import HARDWARE_ID
+from bearing_twin.assets.parameters.spec import fixed
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode

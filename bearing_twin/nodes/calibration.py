@@ -9,9 +9,9 @@ import time
 import traceback
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.calibration import CalibrationCore
-from bearing_twin.assets.calibration_parameters import SPECS
-from bearing_twin.assets.calibration_task import work
+from bearing_twin.assets.calibration.core import CalibrationCore
+from bearing_twin.assets.calibration.task import work
+from bearing_twin.assets.parameters.calibration import SPECS
 from bearing_twin.calibration.cloud import TEMPERATURE
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Mapping
     from concurrent.futures import Future
 
-    from bearing_twin.assets.calibration_task import Fit, Task
+    from bearing_twin.assets.calibration.task import Fit, Task
     from rclpy.subscription import MessageInfo
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.diagnosis_parameters import check_diagnosis, SPECS
+from bearing_twin.assets.parameters.diagnosis import check_diagnosis, SPECS
 from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.ros.health import Health

@@ -11,14 +11,15 @@ import math
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets import realtime_parameters, twin_parameters
 from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.fleet import build_fleet, read_assets, SHARED
-from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
-from bearing_twin.assets.spec import fixed
+from bearing_twin.assets.parameters import realtime as realtime_parameters
+from bearing_twin.assets.parameters import twin as twin_parameters
+from bearing_twin.assets.parameters.shared import STATE_RATE, SUBSCRIBERS
+from bearing_twin.assets.parameters.spec import fixed
+from bearing_twin.assets.parameters.twin import build_parameters, build_simulator
 from bearing_twin.assets.twin import TwinChannel, TwinInputs
 from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_block
-from bearing_twin.assets.twin_parameters import build_parameters, build_simulator
 from bearing_twin.diagnosis import warming as diagnosis
 from bearing_twin.dynamics import warming as dynamics
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics

@@ -7,9 +7,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.diagnosis_parameters import check_diagnosis
 from bearing_twin.assets.fleet import DIAGNOSIS_SPECS, SHARED, TWIN_SPECS
-from bearing_twin.assets.twin_parameters import build_parameters
+from bearing_twin.assets.parameters.diagnosis import check_diagnosis
+from bearing_twin.assets.parameters.twin import build_parameters
 from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.parameters import ParameterSet

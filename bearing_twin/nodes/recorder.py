@@ -10,7 +10,7 @@ from pathlib import Path
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.recorder_parameters import SPECS
+from bearing_twin.assets.parameters.recorder import SPECS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.health import SENT_BEFORE

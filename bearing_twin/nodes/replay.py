@@ -13,7 +13,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import time_message
-from bearing_twin.assets.spec import fixed, parameter
+from bearing_twin.assets.parameters.spec import fixed, parameter
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.player import Player

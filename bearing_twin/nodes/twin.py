@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.realtime_parameters import PUBLISHING
+from bearing_twin.assets.parameters.realtime import PUBLISHING
+from bearing_twin.assets.parameters.twin import build_parameters, SPECS
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import StateTurns
-from bearing_twin.assets.twin_parameters import build_parameters, SPECS
 from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.dynamics.trend import trend_sentence
@@ -25,7 +25,7 @@ from bearing_twin.ros.subscribing import receiver_clock
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.assets.fitted import Fitted
+    from bearing_twin.assets.calibration.fitted import Fitted
     from bearing_twin.streams.pacer import Due
 
 

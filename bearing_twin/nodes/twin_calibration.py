@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.fitted import read_fitted
+from bearing_twin.assets.calibration.fitted import read_fitted
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.qos import RESULT
@@ -18,7 +18,7 @@ from bearing_twin_msgs.msg import Calibration
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.assets.fitted import Fitted
+    from bearing_twin.assets.calibration.fitted import Fitted
     from bearing_twin.assets.twin import Twin
     from bearing_twin.ros.health import Health
     from bearing_twin.ros.lifecycle import ManagedNode

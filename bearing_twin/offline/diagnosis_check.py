@@ -10,7 +10,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values
-from bearing_twin.assets.diagnosis_parameters import nominal_speed
+from bearing_twin.assets.parameters.diagnosis import nominal_speed
 from bearing_twin.diagnosis.settings import LONGEST_WINDOW
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement, without_padding

@@ -12,8 +12,9 @@ import math
 import os
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.assets import diagnosis_parameters, twin_parameters
-from bearing_twin.assets.spec import configuration, read_values
+from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
+from bearing_twin.assets.parameters import twin as twin_parameters
+from bearing_twin.assets.parameters.spec import configuration, read_values
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import REALTIME, TwinBlock, TwinBytes, vibration_block
 from bearing_twin.dynamics.limits import Limit

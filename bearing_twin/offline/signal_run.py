@@ -7,9 +7,9 @@ from __future__ import annotations
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets import diagnosis_parameters
 from bearing_twin.assets.messages import floats, message_header
-from bearing_twin.assets.spec import read_values
+from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
+from bearing_twin.assets.parameters.spec import read_values
 from bearing_twin.bearing import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun

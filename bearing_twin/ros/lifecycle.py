@@ -8,7 +8,7 @@ import gc
 import traceback
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.shared_specs import AUTOSTART
+from bearing_twin.assets.parameters.shared import AUTOSTART
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import PolledGroup
@@ -26,7 +26,7 @@ from std_srvs.srv import Trigger
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Mapping
 
-    from bearing_twin.assets.spec import Spec
+    from bearing_twin.assets.parameters.spec import Spec
     from rclpy.lifecycle import LifecycleState
     from rclpy.service import Service
     from rclpy.subscription import MessageInfo, Subscription

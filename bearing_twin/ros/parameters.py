@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.spec import configuration, no_parameter, read_values
+from bearing_twin.assets.parameters.spec import configuration, no_parameter, read_values
 from bearing_twin.errors import BearingTwinError
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -25,7 +25,7 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from bearing_twin.assets.spec import Spec
+    from bearing_twin.assets.parameters.spec import Spec
     from rclpy.node import Node
 
 

@@ -8,7 +8,7 @@ import ctypes
 import os
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.realtime_parameters import THRESHOLDS
+from bearing_twin.assets.parameters.realtime import THRESHOLDS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.streams.pacer import Pacer

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.twin_parameters import build_parameters
+from bearing_twin.assets.parameters.twin import build_parameters
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.geometry import fault_orders
 from bearing_twin.errors import BearingTwinError

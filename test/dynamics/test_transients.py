@@ -43,8 +43,8 @@ def check_settled(condition, outer):
 
 
 def hosted(**values):
+    from bearing_twin.assets.parameters.twin import SPECS
     from bearing_twin.assets.twin import Twin
-    from bearing_twin.assets.twin_parameters import SPECS
 
     return Twin({spec.name: spec.default for spec in SPECS} | values, clock=lambda: 1.0)
 

@@ -10,9 +10,9 @@ import os
 import signal
 import time
 
-from bearing_twin.assets.calibration import CalibrationCore
-from bearing_twin.assets.calibration_parameters import SPECS
-from bearing_twin.assets.calibration_task import Fit, Task, work
+from bearing_twin.assets.calibration.core import CalibrationCore
+from bearing_twin.assets.calibration.task import Fit, Task, work
+from bearing_twin.assets.parameters.calibration import SPECS
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration import fit

@@ -20,8 +20,8 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from bearing_twin.assets import realtime_parameters
-from bearing_twin.assets.spec import Spec
+from bearing_twin.assets.parameters import realtime as realtime_parameters
+from bearing_twin.assets.parameters.spec import Spec
 from bearing_twin.nodes.adapter import AdapterNode
 from bearing_twin.nodes.calibration import CalibrationNode
 from bearing_twin.nodes.diagnosis import DiagnosisNode

@@ -46,7 +46,7 @@ def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
     [
         'from bearing_twin.dynamics.warming import warm_up as warm',
         'from bearing_twin.assets.twin import Twin\n'
-        'from bearing_twin.assets.twin_parameters import SPECS\n'
+        'from bearing_twin.assets.parameters.twin import SPECS\n'
         'warm = Twin({spec.name: spec.default for spec in SPECS}).warm',
     ],
 )

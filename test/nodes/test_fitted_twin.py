@@ -11,9 +11,9 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 
-from bearing_twin.assets.fitted import read_fitted
+from bearing_twin.assets.calibration.fitted import read_fitted
+from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_parameters import SPECS
 from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import fit
 from bearing_twin.dynamics import preset, Simulator

@@ -182,7 +182,7 @@ def dated(seconds, rate, **fields):
 @pytest.mark.ros
 @pytest.mark.parametrize('rate', [12000.0, 25600.0, 51200.0])
 def test_no_verdict_comes_of_samples_whose_rate_is_declared_wrong(rate):
-    from bearing_twin.assets.diagnosis_parameters import SPECS
+    from bearing_twin.assets.parameters.diagnosis import SPECS
     from bearing_twin.offline.diagnosis_run import DiagnosisRun
 
     run = DiagnosisRun({spec.name: spec.default for spec in SPECS})
@@ -203,7 +203,7 @@ def test_no_verdict_comes_of_samples_whose_rate_is_declared_wrong(rate):
 
 @pytest.mark.ros
 def test_simulated_vibration_is_not_learnt_by_the_machine_of_the_same_frame():
-    from bearing_twin.assets.diagnosis_parameters import SPECS
+    from bearing_twin.assets.parameters.diagnosis import SPECS
     from bearing_twin.offline.diagnosis_run import DiagnosisRun
 
     run = DiagnosisRun({spec.name: spec.default for spec in SPECS})
@@ -286,8 +286,8 @@ def test_a_node_that_never_ran_is_no_error_of_the_aggregator():
 
 
 def test_one_of_two_thermometers_is_heard_and_the_other_is_told():
+    from bearing_twin.assets.parameters.twin import SPECS
     from bearing_twin.assets.twin import TwinChannel
-    from bearing_twin.assets.twin_parameters import SPECS
     from sensor_msgs.msg import Temperature
 
     now = 0.0
@@ -316,7 +316,7 @@ def test_one_of_two_thermometers_is_heard_and_the_other_is_told():
     ],
 )
 def test_what_no_diagnosis_can_do_is_refused_with_the_parameters(given, why):
-    from bearing_twin.assets.diagnosis_parameters import check_diagnosis, SPECS
+    from bearing_twin.assets.parameters.diagnosis import check_diagnosis, SPECS
 
     values = {spec.name: spec.default for spec in SPECS} | given
     with pytest.raises(BearingTwinError, match=why):

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 
-from bearing_twin.assets import realtime_parameters
+from bearing_twin.assets.parameters import realtime as realtime_parameters
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros import realtime
 from bearing_twin.ros.health import Level

@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 
+from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.assets.template import MessageTemplate
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import (
@@ -18,7 +19,6 @@ from bearing_twin.assets.twin_messages import (
     TwinBytes,
     vibration_message,
 )
-from bearing_twin.assets.twin_parameters import SPECS
 from bearing_twin.dynamics.defect_text import read_defects
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import canonical_cdr, message_schema

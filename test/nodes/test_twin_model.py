@@ -11,8 +11,8 @@ import pytest
 pytest.importorskip('rclpy')
 
 from bearing_twin.assets.fleet import read_assets
-from bearing_twin.assets.spec import configuration
-from bearing_twin.assets.twin_parameters import build_parameters, SPECS
+from bearing_twin.assets.parameters.spec import configuration
+from bearing_twin.assets.parameters.twin import build_parameters, SPECS
 from bearing_twin.dynamics import Defect, preset, presets, TwinParameters
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.errors import BearingTwinError

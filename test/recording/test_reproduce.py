@@ -13,9 +13,9 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values
-from bearing_twin.assets.diagnosis_parameters import SPECS
 from bearing_twin.assets.messages import floats, message_header
-from bearing_twin.assets.spec import read_values
+from bearing_twin.assets.parameters.diagnosis import SPECS
+from bearing_twin.assets.parameters.spec import read_values
 from bearing_twin.bench.end_to_end import _punctuality
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import main

@@ -6,7 +6,7 @@ import math
 import struct
 from types import SimpleNamespace
 
-from bearing_twin.assets.twin_parameters import SPECS
+from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.recording.reader import read_messages

@@ -8,13 +8,11 @@ from html import escape
 from pathlib import PurePath
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets import (
-    diagnosis_parameters,
-    realtime_parameters,
-    recorder_parameters,
-    twin_parameters,
-)
-from bearing_twin.assets.shared_specs import AUTOSTART
+from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
+from bearing_twin.assets.parameters import realtime as realtime_parameters
+from bearing_twin.assets.parameters import recorder as recorder_parameters
+from bearing_twin.assets.parameters import twin as twin_parameters
+from bearing_twin.assets.parameters.shared import AUTOSTART
 from bearing_twin.bearing.vocabulary import STAGE_STEPS, STAGES
 from bearing_twin.view.report.html import table
 from bearing_twin.view.verdict import number

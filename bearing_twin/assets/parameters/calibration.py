@@ -4,15 +4,15 @@
 
 from __future__ import annotations
 
-from bearing_twin.assets.diagnosis_parameters import SPECS as DIAGNOSIS
-from bearing_twin.assets.shared_specs import (
+from bearing_twin.assets.parameters.diagnosis import SPECS as DIAGNOSIS
+from bearing_twin.assets.parameters.shared import (
     GEOMETRY,
     HARDWARE_ID,
     JOINT,
     STATE_DIRECTORY,
     STATE_OWNER,
 )
-from bearing_twin.assets.spec import fixed
+from bearing_twin.assets.parameters.spec import fixed
 
 _SHARED = {spec.name: spec for spec in DIAGNOSIS}
 

@@ -7,14 +7,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.shared_specs import (
+from bearing_twin.assets.parameters.shared import (
     CHECKPOINT_PERIOD,
     GEOMETRY,
     HARDWARE_ID,
     JOINT,
     STATE_DIRECTORY,
 )
-from bearing_twin.assets.spec import field_spec, field_values, fixed, parameter, Spec, Value
+from bearing_twin.assets.parameters.spec import (
+    field_spec,
+    field_values,
+    fixed,
+    parameter,
+    Spec,
+    Value,
+)
 from bearing_twin.bearing import find_bearing, own_bearing
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import preset, PRESET_FIELDS, PRESETS

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from bearing_twin.assets.shared_specs import STATE_RATE, SUBSCRIBERS
-from bearing_twin.assets.spec import fixed, parameter, Spec
-from bearing_twin.assets.twin_parameters import FITTED
+from bearing_twin.assets.parameters.shared import STATE_RATE, SUBSCRIBERS
+from bearing_twin.assets.parameters.spec import fixed, parameter, Spec
+from bearing_twin.assets.parameters.twin import FITTED
 
 
 class Threshold(NamedTuple):

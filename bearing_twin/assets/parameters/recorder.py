@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from bearing_twin.assets.spec import field_spec, fixed
+from bearing_twin.assets.parameters.spec import field_spec, fixed
 from bearing_twin.recording.writer import WriterOptions
 
 SPECS = (

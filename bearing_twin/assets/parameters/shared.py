@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from bearing_twin.assets.spec import fixed, parameter
+from bearing_twin.assets.parameters.spec import fixed, parameter
 
 AUTOSTART = fixed(
     'autostart', True, 'Configure and activate at start; false leaves that to a lifecycle '

@@ -10,12 +10,12 @@ import json
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.calibration_record import Record
-from bearing_twin.assets.calibration_task import Task
-from bearing_twin.assets.calibration_verdict import Heard, Verdicts
-from bearing_twin.assets.diagnosis_parameters import build_bearing
-from bearing_twin.assets.fitted import GEOMETRY, Likeness
+from bearing_twin.assets.calibration.fitted import GEOMETRY, Likeness
+from bearing_twin.assets.calibration.record import Record
+from bearing_twin.assets.calibration.task import Task
+from bearing_twin.assets.calibration.verdict import Heard, Verdicts
 from bearing_twin.assets.messages import floats, message_header
+from bearing_twin.assets.parameters.diagnosis import build_bearing
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration.fit import decimated
 from bearing_twin.calibration.passage import load_range
@@ -33,7 +33,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.assets.calibration_task import Fit
+    from bearing_twin.assets.calibration.task import Fit
     from bearing_twin.calibration.impacts import Impacts
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.shared_specs import (
+from bearing_twin.assets.parameters.shared import (
     CHECKPOINT_PERIOD,
     GEOMETRY,
     HARDWARE_ID,
@@ -15,7 +15,7 @@ from bearing_twin.assets.shared_specs import (
     STATE_DIRECTORY,
     STATE_OWNER,
 )
-from bearing_twin.assets.spec import field_spec, field_values, fixed, parameter
+from bearing_twin.assets.parameters.spec import field_spec, field_values, fixed, parameter
 from bearing_twin.bearing.catalogue import find_bearing, own_bearing
 from bearing_twin.diagnosis import DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
