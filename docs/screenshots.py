@@ -32,8 +32,8 @@ from bearing_twin.offline.output import decode
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.writer import whole_recording
-from bearing_twin.ros.domain import own_domain, server_port
-from bearing_twin.ros.launching import local_environment, NodeProcesses
+from bearing_twin.ros.processes.domain import own_domain, server_port
+from bearing_twin.ros.processes.launching import local_environment, NodeProcesses
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.pacer import Due
 from bearing_twin.view.report.page import report_page

@@ -37,7 +37,7 @@ from bearing_twin.nodes.diagnosis_topics import (
 )
 from bearing_twin.recording.schedule import write_temperature_recording
 from bearing_twin.recording.topics import FEATURES
-from bearing_twin.ros.launching import ensure_log_folder
+from bearing_twin.ros.processes.launching import ensure_log_folder
 import numpy as np
 import rclpy
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy

@@ -6,7 +6,7 @@ Many bearings in one process, from a YAML of assets; recorded and shown if asked
 What is not given as an argument comes from the parameter file, if there is one.
 """
 
-from bearing_twin.ros.launchfile import Argument, launch_description, shared
+from bearing_twin.ros.processes.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
 from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
 

@@ -9,7 +9,7 @@ recorder takes the namespace of the machine, its temperature and speed wherever 
 has recorded before. All end with the launch.
 """
 
-from bearing_twin.ros.launchfile import Argument, launch_description, shared
+from bearing_twin.ros.processes.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
 from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Play a recording onto ROS; by default the temperature schedule of the paper."""
 
-from bearing_twin.ros.launchfile import Argument, launch_description, shared
+from bearing_twin.ros.processes.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
 
 

@@ -6,7 +6,7 @@ Twin and diagnosis of one bearing, recorded and shown in Rerun if asked for.
 What is not given as an argument comes from the parameter file.
 """
 
-from bearing_twin.ros.launchfile import Argument, launch_description, shared
+from bearing_twin.ros.processes.launchfile import Argument, launch_description, shared
 from launch import LaunchDescription
 from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
 

@@ -100,7 +100,7 @@ def compiled():
 @pytest.fixture
 def ros_domain(compiled, turns, monkeypatch, tmp_path):
     """Give the test a domain, a log folder and a home of its own, on this machine only."""
-    from bearing_twin.ros.domain import own_domain
+    from bearing_twin.ros.processes.domain import own_domain
 
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     for name in FOREIGN:

@@ -114,6 +114,19 @@ RERUN = (
 )
 """The same for Rerun, a room of the view."""
 
+ROS = (
+    'entities',
+    'executor',
+    'topics',
+    'health',
+    'parameters',
+    'lifecycle',
+    'realtime',
+    'cycle',
+    'processes',
+)
+"""The same for what every node needs."""
+
 CORE = ('numerics', 'bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration', 'paper')
 
 MIDDLEWARE = ('rclpy', 'mcap', 'rerun', 'rosbags', 'bearing_twin_msgs', 'sensor_msgs')
@@ -185,6 +198,7 @@ def test_files_beside_the_rooms_import_no_room_unless_they_start_it():
         ('recording', RECORDING),
         ('assets', ASSETS),
         ('view/rerun', RERUN),
+        ('ros', ROS),
     ],
 )
 def test_a_room_within_a_room_imports_only_those_before_it(room, rooms):

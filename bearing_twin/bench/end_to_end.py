@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.ros.domain import own_domain, server_port
-from bearing_twin.ros.launching import local_environment, NodeProcesses
+from bearing_twin.ros.processes.domain import own_domain, server_port
+from bearing_twin.ros.processes.launching import local_environment, NodeProcesses
 from bearing_twin.stamps import stamp_ns
 import numpy as np
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros.launching import COMMAND
+from bearing_twin.ros.processes.launching import COMMAND
 import numpy as np
 
 if TYPE_CHECKING:

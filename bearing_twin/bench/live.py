@@ -18,8 +18,8 @@ from bearing_twin.dynamics import warming as kernels
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet import BLOCK
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.ros.domain import own_domain
-from bearing_twin.ros.launching import local_environment, NodeProcesses
+from bearing_twin.ros.processes.domain import own_domain
+from bearing_twin.ros.processes.launching import local_environment, NodeProcesses
 
 if TYPE_CHECKING:
     from collections.abc import Callable

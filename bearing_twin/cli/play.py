@@ -89,8 +89,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _play(signal: Signal, args: argparse.Namespace) -> int:
-    from bearing_twin.ros.launching import ensure_log_folder
-    from bearing_twin.ros.qos import own, STREAM
+    from bearing_twin.ros.processes.launching import ensure_log_folder
+    from bearing_twin.ros.topics.qos import own, STREAM
     import rclpy
     from rclpy.duration import Duration
 

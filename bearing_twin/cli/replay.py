@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _live(args: argparse.Namespace) -> int:
     from bearing_twin.nodes.replay import NODE
-    from bearing_twin.ros.running import run as run_node
+    from bearing_twin.ros.processes.running import run as run_node
 
     parameters = {name: getattr(args, name) for name in LIVE}
     parameters |= {'recording': str(args.recording), 'clock_rate': parameters.pop('clock')}

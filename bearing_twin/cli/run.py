@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the node until it is told to end."""
-    from bearing_twin.ros import running
+    from bearing_twin.ros.processes import running
 
     node = importlib.import_module(f'bearing_twin.nodes.{args.node}')
     if {'-h', '--help'} & set(args.arguments):

@@ -14,8 +14,8 @@ from bearing_twin.assets.parameters.spec import fixed
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.qos import OVERRIDES, own, SENSOR, STREAM
-from bearing_twin.ros.subscribing import subscribe, unheard
+from bearing_twin.ros.topics.qos import OVERRIDES, own, SENSOR, STREAM
+from bearing_twin.ros.topics.subscribing import subscribe, unheard
 from bearing_twin.stamps import NANO, samples_ns, stamp_ns
 from bearing_twin.streams.samplerate import RateMeter, REFUSED
 from bearing_twin.streams.sampling import (

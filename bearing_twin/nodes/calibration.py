@@ -17,8 +17,8 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
-from bearing_twin.ros.subscribing import receiver_clock, subscribe
+from bearing_twin.ros.topics.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
+from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import Inputs, read_vibration, SourceLock
 from bearing_twin.streams.worker import Worker

@@ -14,8 +14,8 @@ from bearing_twin.bearing import PLACES, RESULTS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
-from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
-from bearing_twin.ros.subscribing import receiver_clock, subscribe, unheard
+from bearing_twin.ros.topics.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
+from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe, unheard
 from bearing_twin.streams.vibration_input import Inputs, Intake, read_vibration
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature

@@ -30,8 +30,8 @@ from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.qos import CHECKPOINT
-from bearing_twin.ros.subscribing import receiver_clock
+from bearing_twin.ros.topics.qos import CHECKPOINT
+from bearing_twin.ros.topics.subscribing import receiver_clock
 from bearing_twin.streams.pacer import Due
 from bearing_twin_msgs.msg import Checkpoint
 import yaml

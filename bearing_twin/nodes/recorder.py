@@ -20,9 +20,9 @@ from bearing_twin.recording.topics import OWN_TOPICS
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.qos import CHECKPOINT, RESULT, STREAM
-from bearing_twin.ros.rawsubscriptions import RawSubscriptions, TopicChoice
-from bearing_twin.ros.rawtopics import offered_qos_yaml, SUBSCRIPTION_DEPTH
+from bearing_twin.ros.topics.qos import CHECKPOINT, RESULT, STREAM
+from bearing_twin.ros.topics.raw import offered_qos_yaml, SUBSCRIPTION_DEPTH
+from bearing_twin.ros.topics.rawsubscriptions import RawSubscriptions, TopicChoice
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.arrival import ArrivalTimes, MessageNumbers, MOST_HEARD
 from bearing_twin.wholefile import free_path

@@ -19,9 +19,9 @@ from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.player import Player
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.qos import RESULT
-from bearing_twin.ros.rawtopics import message_class, replay_qos
-from bearing_twin.ros.remapping import check_remapping, remapping
+from bearing_twin.ros.topics.qos import RESULT
+from bearing_twin.ros.topics.raw import message_class, replay_qos
+from bearing_twin.ros.topics.remapping import check_remapping, remapping
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException
 from rosgraph_msgs.msg import Clock

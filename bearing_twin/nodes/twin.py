@@ -20,7 +20,7 @@ from bearing_twin.ros import realtime
 from bearing_twin.ros.cycle import BlockCycle
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.subscribing import receiver_clock
+from bearing_twin.ros.topics.subscribing import receiver_clock
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -10,8 +10,8 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.calibration.fitted import read_fitted
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Level, Status
-from bearing_twin.ros.qos import RESULT
-from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.ros.topics.qos import RESULT
+from bearing_twin.ros.topics.subscribing import subscribe
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin_msgs.msg import Calibration
 

@@ -10,8 +10,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.twin_messages import TwinBytes
 from bearing_twin.ros.health import Level, Status
-from bearing_twin.ros.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, stream
-from bearing_twin.ros.subscribing import subscribe
+from bearing_twin.ros.topics.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, stream
+from bearing_twin.ros.topics.subscribing import subscribe
 from bearing_twin.thermal.gate import TemperatureStatus
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration

@@ -11,7 +11,7 @@ import re
 import time
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.ros.qos import RESULT
+from bearing_twin.ros.topics.qos import RESULT
 from bearing_twin.stamps import NANO
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType

@@ -13,7 +13,7 @@ from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import PolledGroup
 from bearing_twin.ros.parameters import ParameterSet, unknown_at_start, with_known_types
-from bearing_twin.ros.subscribing import validated
+from bearing_twin.ros.topics.subscribing import validated
 from bearing_twin.streams.statefile import NodeStates
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import ParameterException

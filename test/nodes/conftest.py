@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.processes.launching import NodeProcesses
 from probe import Probe
 import pytest
 

@@ -5,7 +5,7 @@
 import os
 
 from bearing_twin.cli import main
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.processes.launching import NodeProcesses
 import pytest
 
 pytest.importorskip('rclpy')

@@ -335,7 +335,7 @@ MUTE = """
 import sys
 from bearing_twin.nodes.adapter import AdapterNode
 from bearing_twin.nodes.replay import ReplayNode
-from bearing_twin.ros import running
+from bearing_twin.ros.processes import running
 from bearing_twin.ros.health import Health
 def fail(*_, **__):
     raise running.RCLError('Failed to publish: cannot publish data')

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 
-from bearing_twin.ros.launching import COMPILING, NodeProcesses
+from bearing_twin.ros.processes.launching import COMPILING, NodeProcesses
 import pytest
 
 pytestmark = pytest.mark.ros
@@ -80,7 +80,7 @@ def test_a_node_ends_while_its_parameters_are_checked(ros_domain):
     script = (
         'import time\n'
         'from bearing_twin.ros.lifecycle import ManagedNode\n'
-        'from bearing_twin.ros.running import run\n'
+        'from bearing_twin.ros.processes.running import run\n'
         'class SlowNode(ManagedNode):\n'
         '    def __init__(self):\n'
         "        super().__init__('slow', ())\n"

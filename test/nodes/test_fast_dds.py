@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from bearing_twin.ros.qos import HELD
+from bearing_twin.ros.topics.qos import HELD
 
 ROOT = Path(__file__).resolve().parents[2]
 DDS = '{http://www.eprosima.com}'
@@ -18,8 +18,8 @@ DDS = '{http://www.eprosima.com}'
 @pytest.mark.parametrize(
     'profiles',
     [
-        'bearing_twin/ros/fastdds.xml',
-        'bearing_twin/ros/fastdds2.xml',
+        'bearing_twin/ros/processes/fastdds.xml',
+        'bearing_twin/ros/processes/fastdds2.xml',
         'config/fastdds_localhost.xml',
         'config/fastdds2_localhost.xml',
     ],

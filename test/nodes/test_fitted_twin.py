@@ -27,7 +27,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.twin import TwinNode
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.ros.health import Level
-from bearing_twin.ros.qos import RESULT
+from bearing_twin.ros.topics.qos import RESULT
 from bearing_twin_msgs.msg import Calibration
 from probe import DEEP
 from scipy import signal

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.processes.launching import NodeProcesses
 from commands import python
 import pytest
 

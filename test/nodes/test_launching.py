@@ -4,7 +4,7 @@
 
 import os
 
-from bearing_twin.ros.launching import NodeProcesses, REFUSED
+from bearing_twin.ros.processes.launching import NodeProcesses, REFUSED
 import pytest
 
 

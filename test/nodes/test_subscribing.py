@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-from bearing_twin.ros.subscribing import read_message
+from bearing_twin.ros.topics.subscribing import read_message
 from bearing_twin_msgs.msg import Vibration
 from rclpy.serialization import serialize_message
 

@@ -18,7 +18,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.processes.launching import NodeProcesses
 
 pytestmark = pytest.mark.ros
 

@@ -15,7 +15,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.messages import time_message
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.recover import recover
-from bearing_twin.ros.qos import STREAM
+from bearing_twin.ros.topics.qos import STREAM
 from bearing_twin_msgs.msg import Vibration
 from probe import KEPT, Probe, TIMEOUT
 from rclpy.duration import Duration

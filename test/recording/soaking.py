@@ -31,9 +31,9 @@ from bearing_twin import cli
 from bearing_twin.assets.messages import time_message
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.domain import own_domain
-from bearing_twin.ros.launching import local_environment, NodeProcesses
-from bearing_twin.ros.qos import RESULT, STREAM
+from bearing_twin.ros.processes.domain import own_domain
+from bearing_twin.ros.processes.launching import local_environment, NodeProcesses
+from bearing_twin.ros.topics.qos import RESULT, STREAM
 from bearing_twin.stamps import NANO, stamp_ns
 from bearing_twin_msgs.msg import Diagnosis, TwinState
 from diagnostic_msgs.msg import DiagnosticArray

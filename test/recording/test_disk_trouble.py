@@ -18,7 +18,7 @@ from bearing_twin.recording.recover import find_unfinished, recover
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
-from bearing_twin.ros.launching import NodeProcesses, REFUSED
+from bearing_twin.ros.processes.launching import NodeProcesses, REFUSED
 from bearing_twin.streams.statefile import StateFolder
 import pytest
 from recording_samples import START, VIBRATION, vibration_cdr

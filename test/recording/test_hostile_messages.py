@@ -13,8 +13,8 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.launching import NodeProcesses
-from bearing_twin.ros.qos import CHECKPOINT, STREAM
+from bearing_twin.ros.processes.launching import NodeProcesses
+from bearing_twin.ros.topics.qos import CHECKPOINT, STREAM
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from fuzzing import SECONDS, until
 import pytest

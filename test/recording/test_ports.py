@@ -8,9 +8,9 @@ import os
 from pathlib import Path
 
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.domain import server_port
-from bearing_twin.ros.fastdds import OLDER, PROFILES
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.processes.domain import server_port
+from bearing_twin.ros.processes.fastdds import OLDER, PROFILES
+from bearing_twin.ros.processes.launching import NodeProcesses
 import psutil
 import pytest
 from recorder_process import Source

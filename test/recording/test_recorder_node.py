@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 from bearing_twin.recording.health import examine, sent_before
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
-from bearing_twin.ros.launching import NodeProcesses
-from bearing_twin.ros.qos import STREAM
+from bearing_twin.ros.processes.launching import NodeProcesses
+from bearing_twin.ros.topics.qos import STREAM
 from bearing_twin_msgs.msg import Diagnosis
 from builtin_interfaces.msg import Time
 from mcap.reader import NonSeekingReader
@@ -289,7 +289,7 @@ def slow(descriptor, data):
     return write(descriptor, data)
 os.write = slow
 from bearing_twin.nodes.recorder import NODE
-from bearing_twin.ros.running import run
+from bearing_twin.ros.processes.running import run
 sys.exit(run(NODE, sys.argv[2:]))
 """
 

@@ -14,8 +14,8 @@ pytest.importorskip('rclpy')
 
 
 from bearing_twin.nodes.recorder import RecorderNode
-from bearing_twin.ros import rawsubscriptions
-from bearing_twin.ros.rawsubscriptions import TopicChoice
+from bearing_twin.ros.topics import rawsubscriptions
+from bearing_twin.ros.topics.rawsubscriptions import TopicChoice
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String

@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.processes.launching import NodeProcesses
 import pytest
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, TEMPERATURE, temperature_cdr, write_blocks

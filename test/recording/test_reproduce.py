@@ -31,8 +31,8 @@ from bearing_twin.recording.mcap.schema import canonical_cdr
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter
-from bearing_twin.ros.launching import NodeProcesses
-from bearing_twin.ros.qos import RESULT, STREAM
+from bearing_twin.ros.processes.launching import NodeProcesses
+from bearing_twin.ros.topics.qos import RESULT, STREAM
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.vibration_input import read_vibration
 from bearing_twin_msgs.msg import Diagnosis, Vibration

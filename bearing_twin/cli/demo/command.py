@@ -20,7 +20,7 @@ from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.launching import COMPILING, local_environment, NodeProcesses
+from bearing_twin.ros.processes.launching import COMPILING, local_environment, NodeProcesses
 
 if TYPE_CHECKING:
     import argparse
@@ -106,7 +106,7 @@ def make_folder(out: Path) -> Path:
 
 def _choose_domain(asked: int | None) -> AbstractContextManager[int]:
     os.environ.update(local_environment(0))
-    from bearing_twin.ros.domain import check_domain, own_domain
+    from bearing_twin.ros.processes.domain import check_domain, own_domain
 
     if asked is None:
         return own_domain(os.getpid())

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli.terminal import wrapped
-from bearing_twin.ros.launching import NodeProcesses
+from bearing_twin.ros.processes.launching import NodeProcesses
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -9,7 +9,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros.qos import RESULT, STREAM
+from bearing_twin.ros.topics.qos import RESULT, STREAM
 from bearing_twin_msgs.msg import Diagnosis, TwinState
 import rclpy
 from rclpy.executors import SingleThreadedExecutor

@@ -10,8 +10,8 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.ros.executor import PolledGroup
-from bearing_twin.ros.qos import own
-from bearing_twin.ros.rawtopics import (
+from bearing_twin.ros.topics.qos import own
+from bearing_twin.ros.topics.raw import (
     message_class,
     published_type,
     SUBSCRIPTION_DEPTH,

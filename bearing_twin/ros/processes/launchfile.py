@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros.launching import PARENT, REFUSED
+from bearing_twin.ros.processes.launching import PARENT, REFUSED
 from launch import LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,

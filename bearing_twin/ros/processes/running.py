@@ -16,10 +16,16 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
-from bearing_twin.ros.fastdds import set_up_fast_dds
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.launching import COMPILING, ensure_log_folder, LOADING, PARENT, REFUSED
 from bearing_twin.ros.lifecycle import refuses
+from bearing_twin.ros.processes.fastdds import set_up_fast_dds
+from bearing_twin.ros.processes.launching import (
+    COMPILING,
+    ensure_log_folder,
+    LOADING,
+    PARENT,
+    REFUSED,
+)
 from bearing_twin.view.rerun.ending import leave
 import rclpy
 from rclpy.executors import ExternalShutdownException

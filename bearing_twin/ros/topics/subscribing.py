@@ -8,7 +8,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros.qos import OVERRIDES, own
+from bearing_twin.ros.topics.qos import OVERRIDES, own
 from bearing_twin.stamps import LATEST, NANO, stamp_ns
 from rclpy.qos import qos_check_compatible, QoSCompatibility
 from rclpy.serialization import deserialize_message

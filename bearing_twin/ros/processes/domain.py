@@ -11,7 +11,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros.launching import ensure_log_folder
+from bearing_twin.ros.processes.launching import ensure_log_folder
 import rclpy
 
 if TYPE_CHECKING:

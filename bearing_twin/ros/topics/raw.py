@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.qos import qos_profile, qos_yaml, read_qos
-from bearing_twin.ros.qos import profile
+from bearing_twin.ros.topics.qos import profile
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
