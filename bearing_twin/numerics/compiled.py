@@ -33,6 +33,7 @@ FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 
 SHARED = (
     *('numerics/*.py', 'bearing/*.py', 'thermal/*.py', 'dynamics/**/*.py'),
+    'diagnosis/signal/columns.py',
     'diagnosis/signal/lines.py',
 )
 """Files of the package from which compiled code of other files takes functions and numbers."""

@@ -9,7 +9,14 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.signal.columns import aligned, real_columns, ROW, transform_rows
+from bearing_twin.diagnosis.signal.columns import (
+    aligned,
+    radices,
+    real_columns,
+    ROW,
+    transform_passes,
+    turns,
+)
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L, load, store
 import numpy as np
@@ -147,50 +154,28 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
     for all levels, not once per band. Tiles are transformed in parts, as short as the lags allow,
     and the products of parts are summed before they are transformed back.
     """
-    tile = tree.levels[-1][0] // 2
-    parts = _parts(tile, len(lags) - 1)
-    part, groups = tile // parts, tree.levels[0][0] // (tile * L)
-    values = np.empty(2 * L, np.float32)
-    rows = aligned(2 * part, ROW)
-
-    def transformed(spectrum: NDArray[np.complex64], number: int) -> NDArray[np.float32]:
-        room = aligned(2 * part + 1, ROW)
-        # What is behind the parts is read, and must be finite.
-        room[-1] = 0.0
-        _parts_beside(spectrum, part, groups * parts, number, room[:-1])
-        return transform_rows(room[:-1])
-
-    def add(whitening: int, group: int, beside: int, apart: int) -> None:
-        first, members = whitening * len(tree.bands), _members(tree, beside)[group]
-        _add_lags(sums, whitening, apart, members, first, values, lags)
-
-    signals = [[transformed(white, n) for n in range(groups * parts)] for white in whitened]
-    for group in range(groups):
-        rows[:] = 0.0
-        for number in range(group * parts, (group + 1) * parts):
-            _add_powers(signals[0][number], signals[1][number], rows)
-        sums = transform_rows(rows)
-        for whitening in range(len(signals)):
-            add(whitening, group, 0, 0)
-    for whitening, signal in enumerate(signals):
-        for apart in range(1, -(-(len(lags) - 1) // part) + 1):
-            for group in range(groups):
-                *inner, last = range(group * parts, (group + 1) * parts)
-                # The last part of a tile is multiplied with one of another tile.
-                for numbers, beside in ((inner, 0), ([last], apart)):
-                    if numbers:
-                        rows[:] = 0.0
-                        for number in numbers:
-                            shift, at = divmod(number + apart, len(signal))
-                            _add_products(signal[number], signal[at], shift, rows)
-                        sums = transform_rows(rows)
-                        add(whitening, group, beside, apart)
+    parts, part, members = _tiling(tree, len(lags) - 1)
+    signals = aligned(len(whitened), members.shape[1] * parts, 2 * part + 1, ROW)
+    # What is behind the parts is read, and must be finite.
+    signals[:, :, -1] = 0.0
+    rows, other = aligned(2, 2 * part, ROW)
+    work = aligned(21, ROW)
+    _add_tiles(
+        whitened, parts, members, len(tree.bands), turns(2 * part), radices(2 * part), signals,
+        rows, other, work, lags,
+    )  # fmt: skip
 
 
 @functools.lru_cache(maxsize=16)
-def _parts(tile: int, reach: int) -> int:
-    """Most parts of a tile, each as long as the lags reach; one where they reach further."""
-    return max(
+def _tiling(tree: BandTree, reach: int) -> tuple[int, int, NDArray[np.float32]]:
+    """
+    Parts of a tile, bins of a part, and which products of tiles belong to a band.
+
+    A tile has most parts, each as long as the lags reach; one where they reach further. Members
+    are for tiles that are 0, 1, ... tiles apart as `_add_lags` asks, (A, groups, 16, 16 n).
+    """
+    tile = tree.levels[-1][0] // 2
+    parts = max(
         (
             parts
             for parts in range(2, tile // reach + 1)
@@ -198,20 +183,86 @@ def _parts(tile: int, reach: int) -> int:
         ),
         default=1,
     )
-
-
-@functools.lru_cache(maxsize=16)
-def _members(tree: BandTree, apart: int) -> NDArray[np.float32]:
-    """Whether the product of a tile with one so far on belongs to a band, as `_add_lags` asks."""
-    tile = tree.levels[-1][0] // 2
-    groups = tree.levels[0][0] // (tile * L)
+    part, groups = tile // parts, tree.levels[0][0] // (tile * L)
     bands = [(first, first + width) for width, firsts in tree.levels for first in firsts]
-    members = np.zeros((groups, L, -(-len(bands) // L) * L), np.float32)
-    for band, (begin, end) in enumerate(bands):
-        for number in range(begin // tile, end // tile - apart):
-            members[number % groups, number // groups, band] = 1.0
+    members = np.zeros((-(-reach // part) + 1, groups, L, -(-len(bands) // L) * L), np.float32)
+    for apart in range(len(members)):
+        for band, (begin, end) in enumerate(bands):
+            for number in range(begin // tile, end // tile - apart):
+                members[apart, number % groups, number // groups, band] = 1.0
     members.flags.writeable = False
-    return members
+    return parts, part, members
+
+
+@compiled(borrows=True)
+def _add_tiles(
+    whitened: NDArray[np.complex64],
+    parts: int,
+    members: NDArray[np.float32],
+    bands: int,
+    turns: NDArray[np.float32],
+    radices: NDArray[np.intp],
+    signals: NDArray[np.float32],
+    rows: NDArray[np.float32],
+    other: NDArray[np.float32],
+    work: NDArray[np.float32],
+    lags: NDArray[np.float32],
+) -> None:
+    """
+    Add the autocorrelation of each band, conjugated, from the transforms of parts of its tiles.
+
+    Parameters
+    ----------
+    whitened
+        (2, K) spectra.
+    parts, members
+        See `_tiling`.
+    bands
+        Bands of a whitening.
+    turns, radices
+        Of the length of a transform, twice that of a part.
+    signals
+        (2, groups parts, 2 part + 1, 32) to work in; finite behind the last row but one.
+    rows, other, work
+        (2 part, 32), the same, and (21, 32) to work in.
+    lags
+        (K, 2, >= 2 bands + 16) real and imaginary parts, added to.
+
+    """
+    part, groups = len(rows) // 2, members.shape[1]
+    count, values = groups * parts, work[20]
+    # A transform goes from one array into another and back, pass by pass.
+    crosses = len(radices) % 2 == 1
+    sums = other if crosses else rows
+    for whitening in range(2):
+        for number in range(count):
+            signal = signals[whitening, number, :-1]
+            source, out = (rows, signal) if crosses else (signal, rows)
+            _parts_beside(whitened[whitening], part, count, number, source)
+            transform_passes(source, turns, radices, work[:20], out)
+    for group in range(groups):
+        rows[:] = np.float32(0.0)
+        for number in range(group * parts, (group + 1) * parts):
+            _add_powers(signals[0, number], signals[1, number], rows)
+        transform_passes(rows, turns, radices, work[:20], other)
+        for whitening in range(2):
+            _add_lags(sums, whitening, 0, members[0, group], whitening * bands, values, lags)
+    for whitening in range(2):
+        for apart in range(1, len(members)):
+            for group in range(groups):
+                first, last = group * parts, (group + 1) * parts - 1
+                # The last part of a tile is multiplied with one of another tile.
+                for begin, end, beside in ((first, last, 0), (last, last + 1, apart)):
+                    if begin == end:
+                        continue
+                    rows[:] = np.float32(0.0)
+                    for number in range(begin, end):
+                        shift, at = divmod(number + apart, count)
+                        one, second = signals[whitening, number], signals[whitening, at]
+                        _add_products(one, second, shift, rows)
+                    transform_passes(rows, turns, radices, work[:20], other)
+                    belong, column = members[beside, group], whitening * bands
+                    _add_lags(sums, whitening, apart, belong, column, values, lags)
 
 
 @compiled(borrows=True)

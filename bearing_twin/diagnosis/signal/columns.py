@@ -69,16 +69,14 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
 
     """
     count = len(rows)
-    radices = _radices(count)
-    if radices[-1] > _LARGEST and radices[-1] not in _TOGETHER:
+    factors = radices(count)
+    if factors[-1] > _LARGEST and factors[-1] not in _TOGETHER:
         found = fft.fft(rows[:, :L] + np.complex64(1j) * rows[:, L:], axis=0)
         return np.concatenate((found.real, found.imag), axis=1)
-    # The room to work in is behind the result, where products of tiles read finite numbers.
     room = aligned(count + 20, ROW)
-    room[count:] = 0.0
     other = room[:count]
-    _transform(rows, turns(count), radices, room[count:], other)
-    return (rows, other)[len(radices) % 2]
+    transform_passes(rows, turns(count), factors, room[count:], other)
+    return (rows, other)[len(factors) % 2]
 
 
 def aligned(*shape: int) -> NDArray[np.float32]:
@@ -104,8 +102,14 @@ def _address(room: NDArray[np.float32]) -> int:
 
 
 @functools.lru_cache(maxsize=16)
-def _radices(count: int) -> NDArray[np.intp]:
-    """Factors of a length: those that go together, a four, then primes; at least one."""
+def radices(count: int) -> NDArray[np.intp]:
+    """
+    Factors of a length: those that go together, a four, then primes; at least one.
+
+    >>> radices(5120).tolist(), radices(1).tolist()
+    ([20, 16, 16], [1])
+
+    """
     found = [] if count > 1 else [1]
     for radix in (*_TOGETHER, 4, *range(2, count + 1)):
         while count % radix == 0:
@@ -327,14 +331,28 @@ def _primes(
 
 
 @compiled(borrows=True)
-def _transform(
+def transform_passes(
     rows: NDArray[np.float32],
     turns: NDArray[np.float32],
     radices: NDArray[np.intp],
     few: NDArray[np.float32],
     other: NDArray[np.float32],
 ) -> None:
-    """Do one pass after another, from one array into the other and back."""
+    """
+    Do one pass of a transform after another, from one array into the other and back.
+
+    Parameters
+    ----------
+    rows
+        (N, 32), overwritten; where the number of passes is even the result is there.
+    turns, radices
+        Of the length, see :func:`turns` and :func:`radices`.
+    few
+        (20, 32) to work in.
+    other
+        As ``rows``, written; where the number of passes is odd the result is there.
+
+    """
     left = len(rows)
     for number, radix in enumerate(radices):
         done = len(rows) // left
