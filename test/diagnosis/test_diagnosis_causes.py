@@ -289,6 +289,19 @@ def test_another_speed_is_said_and_no_other_fault_is_named(rng, off, faults, why
     assert why in said.reasons[-1]
 
 
+@pytest.mark.parametrize('given', ['6307', '6304'])
+def test_an_inner_race_beyond_the_orders_of_the_given_bearing_is_no_sideband(rng, given):
+    """That of a 6205 has a sideband one order below, where an inner race of a 6304 strikes."""
+    order = fault_orders(find_bearing('6205'), 0.003).bpfi
+    gaps = (1.0 + 0.005 * rng.standard_normal(1050)) / (order * SHAFT_HZ)
+    times = np.cumsum(gaps)
+    height = np.maximum(np.cos(2.0 * np.pi * SHAFT_HZ * times), 0.0) ** 2
+    x = _strikes(times, 8.0 * height) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, find_bearing(given), SHAFT_HZ)
+    assert (said.level, said.faults) == ('suspect', ()), said.reasons
+    assert re.search(r'at 5\.4[123]\d orders', said.reasons[-1]), said.reasons
+
+
 def test_impacts_in_bursts_of_seconds_are_an_alarm(rng):
     """Two loud seconds of eight modulate their noise; relative to each second that is little."""
     bearing, t = find_bearing('6205'), np.arange(2 * N) / RATE

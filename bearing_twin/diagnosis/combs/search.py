@@ -90,7 +90,7 @@ class CombSearch:
         ----------
         beyond
             Whether to look beyond the orders of this bearing as well, where none below them is
-            significant: as far as three harmonics reach.
+            significant: as far as three harmonics reach. Beside one that is, an order beyond it.
 
         """
         scores = self._scores
@@ -100,9 +100,12 @@ class CombSearch:
             pulses = np.arange(1.0, self._whole.top) * 2.0 * hertz / self.shaft_hz
             rest = self.spectra.silenced(pulses, 1.25 * self.spectra.step)
             found = self._off_shaft(scores.grid, scores.score(rest, scores.grid), rest)
-        if beyond and found.z < Z_ELSEWHERE:
-            step = scores.grid[1] - scores.grid[0]
-            grid = np.arange(scores.grid[-1], self._whole.top / 3.0, step)
+        end = self._whole.top / 3.0 if beyond else 0.0
+        if found.z >= Z_ELSEWHERE:
+            # It may be a shaft sideband of a comb one order above.
+            end = min(found.order + 1.1, self._whole.top / 3.0)
+        if end > scores.grid[-1]:
+            grid = np.arange(scores.grid[-1], end, scores.grid[1] - scores.grid[0])
             further = self._off_shaft(grid, scores.score(self.spectra, grid), self.spectra)
             found = max(found, further, key=lambda c: c.z)
         # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
