@@ -223,7 +223,7 @@ def test_a_name_that_the_terminal_cannot_show_is_escaped(tmp_path, encoding):
     assert b'\\u2192.mcap' in ran.stdout
 
 
-@pytest.mark.parametrize('words', [[], ['6307'], ['NU209'], ['NICE']])
+@pytest.mark.parametrize('words', [[], ['6307'], ['NU209'], ['NICE'], ['--order', '5.4']])
 def test_bearings_fit_a_terminal_of_80_columns(words, capsys):
     assert main(['bearings', *words]) == 0
     assert max(map(len, capsys.readouterr().out.splitlines())) <= 80

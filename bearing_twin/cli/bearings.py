@@ -11,11 +11,17 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import catalogue, fault_orders, find_bearing
 from bearing_twin.cli.terminal import wrapped
+from bearing_twin.diagnosis.rules.fits import striking_parts
+from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
     import argparse
 
     from bearing_twin.bearing import Bearing
+
+
+ORDER_WIDTH = 0.01
+"""Half of the width of an order that is looked for: two lines of a window of 8 s at 25 Hz."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -27,23 +33,46 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="designation, e.g. 6205 or 'SKF 6205-2RS'; its beginning or a part of its kind lists "
         'all that match (default: all)',
     )
+    parser.add_argument(
+        '--order',
+        type=float,
+        help='only bearings with a race or a ball that strikes as many times a turn of the shaft '
+        f'(within {ORDER_WIDTH:g}, with 1.5 %% for slip and contact angle), and which part it is',
+    )
     parser.add_argument('--json', action='store_true', help='one JSON object a line')
 
 
 def run(args: argparse.Namespace) -> int:
     """Print one bearing in full, or several a line each; refuse what matches none."""
     found = _matching(args.query or '')
+    if args.order is not None:
+        parts = _striking(args.order)
+        if not (found := [bearing for bearing in found if bearing.name in parts]):
+            raise BearingTwinError(
+                f'no race or ball of these bearings strikes {args.order:g} times a turn (within '
+                f'{ORDER_WIDTH:g}); an order is a frequency over that of the shaft'
+            )
     if args.json:
         for bearing in found:
-            print(json.dumps(asdict(bearing) | {'orders': fault_orders(bearing)._asdict()}))
-    elif len(found) == 1:
+            row = asdict(bearing) | {'orders': fault_orders(bearing)._asdict()}
+            strikes = {} if args.order is None else {'strikes': parts[bearing.name]}
+            print(json.dumps(row | strikes))
+    elif args.order is None and len(found) == 1:
         print(_whole(found[0]))
     else:
-        print(
-            f'{"name":<15}{"balls":>9} mm{"pitch mm":>10}  BPFO    BPFI    2xBSF   FTF     basis'
-        )
-        print('\n'.join(map(_line, found)))
+        columns = f'{"name":<15}{"balls":>9} mm{"pitch mm":>10}  BPFO    BPFI    2xBSF   FTF   '
+        print(columns, 'basis' if args.order is None else 'strikes')
+        for bearing in found:
+            print(_line(bearing), bearing.basis if args.order is None else parts[bearing.name])
     return 0
+
+
+def _striking(order: float) -> dict[str, str]:
+    """Names of the bearings that strike at an order, and the parts that do."""
+    parts: dict[str, str] = {}
+    for bearing, place in striking_parts(order, ORDER_WIDTH):
+        parts[bearing.name] = f'{parts[bearing.name]}, {place}' if bearing.name in parts else place
+    return parts
 
 
 def _matching(query: str) -> list[Bearing]:
@@ -66,7 +95,7 @@ def _line(bearing: Bearing) -> str:
     numbers = (orders.bpfo, orders.bpfi, 2.0 * orders.bsf, orders.ftf)
     balls = f'{bearing.n_balls} x {bearing.d_ball * 1e3:.5g}'
     text = '  '.join(f'{number:6.3f}' for number in numbers)
-    return f'{bearing.name:<15}{balls:>12}{bearing.d_pitch * 1e3:10.5g} {text}  {bearing.basis}'
+    return f'{bearing.name:<15}{balls:>12}{bearing.d_pitch * 1e3:10.5g} {text} '
 
 
 def _whole(bearing: Bearing) -> str:

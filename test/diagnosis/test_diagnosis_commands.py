@@ -271,6 +271,18 @@ def test_every_command_refuses_an_unknown_bearing(good, tmp_path, capsys, comman
     )
 
 
+def test_bearings_that_strike_at_an_order(capsys):
+    assert main(['bearings', '620', '--order', '5.401']) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
+    assert {row[0]: row[-1] for row in rows} == dict.fromkeys(
+        ('6205', '6206', '6207', '6208', '6209'), 'inner'
+    )
+    assert main(['bearings', '6205', '--order', '4.72', '--json']) == 0
+    assert json.loads(capsys.readouterr().out)['strikes'] == 'ball'
+    assert main(['bearings', '6205', '--order', '3']) == 1
+    assert 'strikes 3 times a turn (within 0.01)' in capsys.readouterr().err
+
+
 def test_bench_figures():
     figures = measure()
     assert figures['diagnosis_ms'] > 0.0

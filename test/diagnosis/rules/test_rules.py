@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every rule, reached by evidence that is written down by hand."""
 
+from dataclasses import replace
 from pathlib import Path
+import re
 import runpy
 
+from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.combs.candidate import Candidate, Claims
 from bearing_twin.diagnosis.rules.confidence import confidence
 from bearing_twin.diagnosis.rules.evidence import Evidence
@@ -306,6 +309,11 @@ def test_impacts_elsewhere_say_which_speed_and_which_bearings_would_fit():
     assert 'a speed of 26.3 Hz (outer) would fit' in said.reasons[-1]
     said = decide(Evidence.of(elsewhere=comb('elsewhere', order=5.41, z=9.0)))
     assert 'in the catalogue inner of 6205' in said.reasons[-1]
+    # An axial load opens a contact angle that the catalogue does not know of.
+    loaded = fault_orders(replace(find_bearing('6205'), contact_angle=np.radians(18.0)))
+    for order in (loaded.bpfi, loaded.bpfo, loaded.impacts('ball')):
+        said = decide(Evidence.of(elsewhere=comb('elsewhere', order=order, z=9.0)))
+        assert re.search('of 6205[, ]', said.reasons[-1]), said.reasons
     said = decide(Evidence.of(elsewhere=comb('elsewhere', order=1.05, z=9.0)))
     assert said.reasons[-1] == 'the shaft seems to turn at 26.25 Hz: check the speed'
 
