@@ -66,6 +66,9 @@ DIAGNOSIS = (
 )
 """The same for the rooms of the diagnosis and the files beside them."""
 
+CALIBRATION = ('measured', 'candidates', 'answer', 'fit', 'joint', 'whatif', 'residual')
+"""The same for the calibration."""
+
 RECORDING = (
     'topics',
     'plainyaml',
@@ -195,6 +198,7 @@ def test_files_beside_the_rooms_import_no_room_unless_they_start_it():
     [
         ('dynamics', DYNAMICS),
         ('diagnosis', DIAGNOSIS),
+        ('calibration', CALIBRATION),
         ('recording', RECORDING),
         ('assets', ASSETS),
         ('view/rerun', RERUN),

@@ -10,29 +10,15 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
-from bearing_twin.calibration import posterior
-from bearing_twin.calibration.cloud import (
-    affordable,
-    FASTEST_HZ,
-    HIGHEST_RATE,
-    LEAST_RATE,
-    MOST_SLIP,
-    SETTLE_S,
-    Situation,
-    TEMPERATURE,
-    vibrations,
-)
-from bearing_twin.calibration.estimates import (
+from bearing_twin.calibration.answer.estimates import (
     of_defect,
     of_path,
     of_slip,
     supposed,
     without_defect,
 )
-from bearing_twin.calibration.impacts import gear, impacts_of
-from bearing_twin.calibration.passage import load_range
-from bearing_twin.calibration.path import identify, REACH_S, resonances
-from bearing_twin.calibration.refusals import (
+from bearing_twin.calibration.answer.impacts import gear, impacts_of
+from bearing_twin.calibration.answer.refusals import (
     copied,
     half_as_often,
     Kind,
@@ -43,8 +29,22 @@ from bearing_twin.calibration.refusals import (
     untold,
     with_farther,
 )
-from bearing_twin.calibration.result import Calibration, in_words
-from bearing_twin.calibration.summaries import correlate, fastest_resonance
+from bearing_twin.calibration.answer.result import Calibration, in_words
+from bearing_twin.calibration.candidates import posterior
+from bearing_twin.calibration.candidates.cloud import (
+    affordable,
+    FASTEST_HZ,
+    HIGHEST_RATE,
+    LEAST_RATE,
+    MOST_SLIP,
+    SETTLE_S,
+    Situation,
+    TEMPERATURE,
+    vibrations,
+)
+from bearing_twin.calibration.candidates.passage import load_range
+from bearing_twin.calibration.measured.path import identify, REACH_S, resonances
+from bearing_twin.calibration.measured.summaries import correlate, fastest_resonance
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
@@ -59,8 +59,8 @@ import scipy
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.calibration.posterior import Posterior
-    from bearing_twin.calibration.summaries import Summary
+    from bearing_twin.calibration.candidates.posterior import Posterior
+    from bearing_twin.calibration.measured.summaries import Summary
     from bearing_twin.dynamics.equations.sensor_path import SensorPath
 
 

@@ -7,20 +7,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.estimates import next_ball, taken_off
-from bearing_twin.calibration.impacts import follows_speed, ringing
-from bearing_twin.calibration.posterior import weighted_quantile
-from bearing_twin.calibration.refusals import Kind
-from bearing_twin.calibration.result import Estimate, in_words, UNTOLD
+from bearing_twin.calibration.answer.estimates import next_ball, taken_off
+from bearing_twin.calibration.answer.impacts import follows_speed, ringing
+from bearing_twin.calibration.answer.refusals import Kind
+from bearing_twin.calibration.answer.result import Estimate, in_words, UNTOLD
+from bearing_twin.calibration.candidates.posterior import weighted_quantile
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from bearing_twin.calibration.cloud import Situation
-    from bearing_twin.calibration.impacts import Impacts
-    from bearing_twin.calibration.result import Calibration
+    from bearing_twin.calibration.answer.impacts import Impacts
+    from bearing_twin.calibration.answer.result import Calibration
+    from bearing_twin.calibration.candidates.cloud import Situation
 
 
 WIDTH = 'defect_width_mm'
@@ -92,8 +92,8 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     Examples
     --------
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
-    >>> from bearing_twin.calibration.impacts import Impacts
+    >>> from bearing_twin.calibration.candidates.cloud import Situation
+    >>> from bearing_twin.calibration.answer.impacts import Impacts
     >>> machine = Situation(
     ...     bearing=find_bearing('6205'), place='outer', shaft_hz=20.0, sample_rate=25600.0
     ... )

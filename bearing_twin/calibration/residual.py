@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import math
 from typing import Any
 
-from bearing_twin.calibration.summaries import HIGH_SHARE
+from bearing_twin.calibration.measured.summaries import HIGH_SHARE
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import numpy.typing as npt

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.cloud import IMPACTS, SETTLE_S, vibrations
-from bearing_twin.calibration.passage import load_range, widest
-from bearing_twin.calibration.path import REACH_S
-from bearing_twin.calibration.summaries import summarise
+from bearing_twin.calibration.candidates.cloud import IMPACTS, SETTLE_S, vibrations
+from bearing_twin.calibration.candidates.passage import load_range, widest
+from bearing_twin.calibration.measured.path import REACH_S
+from bearing_twin.calibration.measured.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.machine.dependence import PER_KELVIN, PER_OCTAVE
 from bearing_twin.errors import BearingTwinError
@@ -21,8 +21,8 @@ import numpy.typing as npt
 from scipy import stats
 
 if TYPE_CHECKING:
-    from bearing_twin.calibration.cloud import Situation
-    from bearing_twin.calibration.result import Calibration
+    from bearing_twin.calibration.answer.result import Calibration
+    from bearing_twin.calibration.candidates.cloud import Situation
 
 
 FloatArray = npt.NDArray[np.float64]

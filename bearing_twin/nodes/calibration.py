@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.calibration.core import CalibrationCore
 from bearing_twin.assets.calibration.task import work
 from bearing_twin.assets.parameters.calibration import SPECS
-from bearing_twin.calibration.cloud import TEMPERATURE
+from bearing_twin.calibration.candidates.cloud import TEMPERATURE
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
 from bearing_twin.ros.health import Health, Level, Status

@@ -7,7 +7,7 @@ How far the intervals of a calibration hold: all tables of docs/calibration.md.
 known truth (:mod:`bearing_twin.studies.calibration_machines`) and adds a line to OUT.jsonl for
 each, so that a run that was ended goes on where it was, and longer runs add to shorter ones. Then
 it prints the tables of all lines. No interval was set by these machines but for what
-`calibration.posterior.RESOLVED` and `calibration.summaries.RIVAL` say of CWRU.
+`candidates.posterior.RESOLVED` and `measured.summaries.RIVAL` say of CWRU.
 """
 
 from __future__ import annotations

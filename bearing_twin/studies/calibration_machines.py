@@ -17,7 +17,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import fit
-from bearing_twin.calibration.cloud import (
+from bearing_twin.calibration.answer.healthy import LOSS_DB, shown, smallest_shown
+from bearing_twin.calibration.candidates.cloud import (
     LONGEST_BLOCK,
     parameters,
     SETTLE_S,
@@ -26,16 +27,15 @@ from bearing_twin.calibration.cloud import (
     unknowns,
     vibrations,
 )
-from bearing_twin.calibration.healthy import LOSS_DB, shown, smallest_shown
-from bearing_twin.calibration.passage import (
+from bearing_twin.calibration.candidates.passage import (
     impact_spacing,
     interference,
     load_range,
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.path import noise_floor, resonances, STUDENT
-from bearing_twin.calibration.posterior import weighted_quantile
+from bearing_twin.calibration.candidates.posterior import weighted_quantile
+from bearing_twin.calibration.measured.path import noise_floor, resonances, STUDENT
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics import Fleet

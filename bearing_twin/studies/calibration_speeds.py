@@ -13,18 +13,18 @@ from dataclasses import replace
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.calibration.cloud import unknowns, vibrations
-from bearing_twin.calibration.impacts import follows_speed, gear, impacts_of
-from bearing_twin.calibration.joint import passage_width
-from bearing_twin.calibration.passage import (
+from bearing_twin.calibration.answer.impacts import follows_speed, gear, impacts_of
+from bearing_twin.calibration.answer.refusals import no_impacts
+from bearing_twin.calibration.candidates.cloud import unknowns, vibrations
+from bearing_twin.calibration.candidates.passage import (
     impact_spacing,
     interference,
     load_range,
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.refusals import no_impacts
-from bearing_twin.calibration.summaries import correlate
+from bearing_twin.calibration.joint import passage_width
+from bearing_twin.calibration.measured.summaries import correlate
 from bearing_twin.studies.calibration_machines import (
     drawn_machine,
     drawn_modes,
@@ -35,8 +35,8 @@ from bearing_twin.studies.calibration_machines import (
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.calibration.cloud import Situation
-    from bearing_twin.calibration.impacts import Impacts
+    from bearing_twin.calibration.answer.impacts import Impacts
+    from bearing_twin.calibration.candidates.cloud import Situation
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]

@@ -3,7 +3,7 @@
 """Machines that share nothing with the twin: impacts that ring, their truth known."""
 
 from bearing_twin.bearing import fault_frequencies, find_bearing
-from bearing_twin.calibration.passage import contact_speed
+from bearing_twin.calibration.candidates.passage import contact_speed
 import numpy as np
 from scipy import signal
 

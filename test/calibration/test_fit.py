@@ -8,8 +8,8 @@ from pathlib import Path
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import Calibration, fit
+from bearing_twin.calibration.answer.refusals import Kind
 from bearing_twin.calibration.fit import fitted_vibration
-from bearing_twin.calibration.refusals import Kind
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from impact_trains import BEARING, impact_train, RATE

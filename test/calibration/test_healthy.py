@@ -5,9 +5,10 @@
 from dataclasses import replace
 import math
 
-from bearing_twin.calibration import cloud, fit
-from bearing_twin.calibration.cloud import unknowns, vibrations
-from bearing_twin.calibration.healthy import comb, LOSS_DB, shown, smallest_shown
+from bearing_twin.calibration import fit
+from bearing_twin.calibration.answer.healthy import comb, LOSS_DB, shown, smallest_shown
+from bearing_twin.calibration.candidates import cloud
+from bearing_twin.calibration.candidates.cloud import unknowns, vibrations
 from impact_trains import BEARING, RATE
 import numpy as np
 import pytest

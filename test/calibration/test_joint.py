@@ -7,13 +7,13 @@ import json
 import math
 
 from bearing_twin.calibration import Calibration, fit
-from bearing_twin.calibration.cloud import Situation
-from bearing_twin.calibration.estimates import taken_off
-from bearing_twin.calibration.impacts import follows_speed, Impacts, impacts_of
+from bearing_twin.calibration.answer.estimates import taken_off
+from bearing_twin.calibration.answer.impacts import follows_speed, Impacts, impacts_of
+from bearing_twin.calibration.answer.refusals import Kind
+from bearing_twin.calibration.candidates.cloud import Situation
+from bearing_twin.calibration.candidates.passage import contact_speed
 from bearing_twin.calibration.joint import compared, joined
-from bearing_twin.calibration.passage import contact_speed
-from bearing_twin.calibration.refusals import Kind
-from bearing_twin.calibration.summaries import correlate
+from bearing_twin.calibration.measured.summaries import correlate
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from impact_trains import BEARING, impact_train, RATE, ring

@@ -5,9 +5,9 @@
 import math
 
 from bearing_twin.bearing import Bearing, fault_frequencies, find_bearing
-from bearing_twin.calibration import cloud
-from bearing_twin.calibration.cloud import parameters, Situation, unknowns, vibrations
-from bearing_twin.calibration.passage import (
+from bearing_twin.calibration.candidates import cloud
+from bearing_twin.calibration.candidates.cloud import parameters, Situation, unknowns, vibrations
+from bearing_twin.calibration.candidates.passage import (
     contact_speed,
     impact_spacing,
     interference,

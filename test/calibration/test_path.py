@@ -5,7 +5,7 @@
 import json
 import math
 
-from bearing_twin.calibration.path import identify, noise_floor, resonances
+from bearing_twin.calibration.measured.path import identify, noise_floor, resonances
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.dynamics.equations.sensor_path import band_levels, distance, SensorPath
 from impact_trains import BEARING, impact_train, RATE, ring

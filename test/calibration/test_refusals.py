@@ -6,15 +6,16 @@ from dataclasses import replace
 import math
 
 from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing
-from bearing_twin.calibration import cloud, fit
-from bearing_twin.calibration.cloud import Situation
-from bearing_twin.calibration.estimates import of_defect, taken_off
-from bearing_twin.calibration.impacts import gear
+from bearing_twin.calibration import fit
+from bearing_twin.calibration.answer.estimates import of_defect, taken_off
+from bearing_twin.calibration.answer.impacts import gear
+from bearing_twin.calibration.answer.refusals import half_as_often, Kind, no_impacts, unresolved
+from bearing_twin.calibration.candidates import cloud
+from bearing_twin.calibration.candidates.cloud import Situation
+from bearing_twin.calibration.candidates.passage import widest
+from bearing_twin.calibration.candidates.posterior import limit
 from bearing_twin.calibration.joint import joined
-from bearing_twin.calibration.passage import widest
-from bearing_twin.calibration.posterior import limit
-from bearing_twin.calibration.refusals import half_as_often, Kind, no_impacts, unresolved
-from bearing_twin.calibration.summaries import correlate, summarise
+from bearing_twin.calibration.measured.summaries import correlate, summarise
 from impact_trains import BEARING, impact_train, RATE, ring
 import numpy as np
 import pytest

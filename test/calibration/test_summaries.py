@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is compared of a record: spacings of impacts, whatever rings and wherever it ends."""
 
-from bearing_twin.calibration.passage import contact_speed, widest
-from bearing_twin.calibration.path import identify
-from bearing_twin.calibration.refusals import COPY
-from bearing_twin.calibration.summaries import fastest_resonance, likeness, summarise
+from bearing_twin.calibration.answer.refusals import COPY
+from bearing_twin.calibration.candidates.passage import contact_speed, widest
+from bearing_twin.calibration.measured.path import identify
+from bearing_twin.calibration.measured.summaries import fastest_resonance, likeness, summarise
 from bearing_twin.dynamics.equations.sensor_path import band_levels, distance
 from impact_trains import BEARING, impact_train, RATE
 import numpy as np

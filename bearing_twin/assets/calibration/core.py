@@ -17,8 +17,8 @@ from bearing_twin.assets.calibration.verdict import Heard, Verdicts
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.parameters.diagnosis import build_bearing
 from bearing_twin.calibration import Calibration as Fitted
+from bearing_twin.calibration.candidates.passage import load_range
 from bearing_twin.calibration.fit import decimated
-from bearing_twin.calibration.passage import load_range
 from bearing_twin.calibration.residual import MOVED, Residuals, Unexplained
 from bearing_twin.diagnosis.streaming import same_rate
 from bearing_twin.dynamics.equations.sensor_path import BAND_HZ, band_levels, distance
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.assets.calibration.task import Fit
-    from bearing_twin.calibration.impacts import Impacts
+    from bearing_twin.calibration.answer.impacts import Impacts
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis
 

@@ -18,7 +18,7 @@ import scipy
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.calibration.impacts import Impacts
+    from bearing_twin.calibration.answer.impacts import Impacts
     from numpy.typing import NDArray
 
 

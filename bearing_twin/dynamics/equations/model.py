@@ -19,9 +19,9 @@ What follows the power 1.5 and not `contact_law`:
 
 - the start of Newton's method in `statics.spring_position`, the margin for the unbalance in
   `stability.check_step` and the pieces of a step in `integrator`: they hold for any power near it;
-- `life.equivalent_load`, `calibration.passage` and `calibration.estimates`: closed formulas for
-  steel on steel, as are the pressure under a ball (force^(1/3)) in `coefficients` and `reference`
-  and the unit of K_b, which `bearing.hertz` computes. They need formulas of their own;
+- `life.equivalent_load`, and `candidates.passage` and `answer.estimates` of `calibration`: closed
+  formulas for steel on steel, as are the pressure under a ball (force^(1/3)) in `coefficients` and
+  `reference` and the unit of K_b, which `bearing.hertz` computes. They need formulas of their own;
 - `view.rerun.pictures.bearing3d`: a TwinState has K_b, and no other number of a law;
 - the tests and `paper`, on purpose.
 

@@ -10,8 +10,8 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies, find_bearing, radial_factor
-from bearing_twin.calibration.passage import contact_speed, load_range, widest
-from bearing_twin.calibration.summaries import summarise, Summary
+from bearing_twin.calibration.candidates.passage import contact_speed, load_range, widest
+from bearing_twin.calibration.measured.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.network import clearance_limits

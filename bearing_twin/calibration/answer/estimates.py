@@ -8,32 +8,32 @@ from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.cloud import unknowns
-from bearing_twin.calibration.healthy import (
+from bearing_twin.calibration.answer.healthy import (
     CONFIDENCES,
     LOUDER_DB,
     SLIPPED,
     smallest_shown,
     SPEED_ERROR,
 )
-from bearing_twin.calibration.passage import (
+from bearing_twin.calibration.answer.refusals import Kind, Refusal
+from bearing_twin.calibration.answer.result import Estimate
+from bearing_twin.calibration.candidates.cloud import unknowns
+from bearing_twin.calibration.candidates.passage import (
     interference,
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.path import noise_floor
-from bearing_twin.calibration.posterior import longest_doubtful, weighted_quantile
-from bearing_twin.calibration.refusals import Kind, Refusal
-from bearing_twin.calibration.result import Estimate
+from bearing_twin.calibration.candidates.posterior import longest_doubtful, weighted_quantile
+from bearing_twin.calibration.measured.path import noise_floor
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from bearing_twin.calibration.cloud import Situation
-    from bearing_twin.calibration.path import Resonance
-    from bearing_twin.calibration.posterior import Posterior
-    from bearing_twin.calibration.summaries import Summary
+    from bearing_twin.calibration.candidates.cloud import Situation
+    from bearing_twin.calibration.candidates.posterior import Posterior
+    from bearing_twin.calibration.measured.path import Resonance
+    from bearing_twin.calibration.measured.summaries import Summary
     from bearing_twin.dynamics.equations.sensor_path import SensorPath
 
 
@@ -62,7 +62,7 @@ def of_path(
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example('none')
     >>> from bearing_twin.dynamics.equations.sensor_path import SensorPath
     >>> path = SensorPath(sample_rate=12800.0, numerator=(2.0,), denominator=(1.0,), noise=0.0)
@@ -121,10 +121,10 @@ def of_defect(
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
-    >>> from bearing_twin.calibration.posterior import limit
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.candidates.posterior import limit
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest)
     >>> left = limit(measured, machine, candidates=32)
@@ -178,7 +178,7 @@ def of_slip(situation: Situation, *, heard: bool) -> Estimate:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> of_slip(example(), heard=False).q95
     0.03
 
@@ -200,7 +200,7 @@ def next_ball(situation: Situation) -> float:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> round(next_ball(example()), 1)
     16.4
 
@@ -216,7 +216,7 @@ def taken_off(situation: Situation, share: float) -> float:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> [round(1e3 * taken_off(machine, share), 1) for share in (0.5, 0.95)]
     [0.4, 0.7]
@@ -269,7 +269,7 @@ def without_defect(
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example('ball')
     >>> ball = Refusal(Kind.NOT_FITTED, 'the width of a ball defect is not fitted')
     >>> without_defect(np.zeros(25600), machine, 1.0, 'm/s^2', seed=0, refusal=ball)[1]
@@ -326,7 +326,7 @@ def supposed(
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example('none')
     >>> share = np.linspace(0.0, 1.0, 101)
     >>> values = {name: about.place(share) for name, about in unknowns(machine).items()}

@@ -19,14 +19,14 @@ from dataclasses import dataclass, replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.cloud import simulate, unknowns
-from bearing_twin.calibration.passage import widest
+from bearing_twin.calibration.candidates.cloud import simulate, unknowns
+from bearing_twin.calibration.candidates.passage import widest
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from bearing_twin.calibration.cloud import Situation, Unknown
-    from bearing_twin.calibration.summaries import Summary
+    from bearing_twin.calibration.candidates.cloud import Situation, Unknown
+    from bearing_twin.calibration.measured.summaries import Summary
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -117,8 +117,8 @@ def features(summaries: list[Summary], situation: Situation) -> FloatArray:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> features([summarise(noise, 12800.0, machine.longest)], machine).shape
@@ -171,8 +171,8 @@ def sample(
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> left = sample(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
@@ -210,8 +210,8 @@ def limit(
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> left = limit(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
@@ -251,7 +251,7 @@ def supposed(situation: Situation, seed: int) -> Posterior:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> len(supposed(machine, 0).values['load'])
     64
@@ -273,7 +273,7 @@ def resolved(measured: Summary) -> float:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> resolved(summarise(noise, 12800.0, 5e-3)) < 1e-3
     True
@@ -288,7 +288,7 @@ def longest_doubtful(measured: Summary) -> float:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, 5e-3)
     >>> longest_doubtful(measured) >= resolved(measured)
@@ -331,7 +331,7 @@ def keep(
     --------
     A width that is the spacing, in its own units, plus chance:
 
-    >>> from bearing_twin.calibration.cloud import Unknown
+    >>> from bearing_twin.calibration.candidates.cloud import Unknown
     >>> rng = np.random.default_rng(1)
     >>> width = rng.uniform(0.0, 4.0, 500)
     >>> rows = np.zeros((500, 5))

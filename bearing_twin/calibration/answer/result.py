@@ -9,7 +9,9 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, PLACES
-from bearing_twin.calibration.cloud import (
+from bearing_twin.calibration.answer.impacts import Impacts
+from bearing_twin.calibration.answer.refusals import Kind
+from bearing_twin.calibration.candidates.cloud import (
     FASTEST_HZ,
     HIGHEST_RATE,
     LEAST_RATE,
@@ -18,10 +20,8 @@ from bearing_twin.calibration.cloud import (
     Situation,
     unknowns,
 )
-from bearing_twin.calibration.impacts import Impacts
-from bearing_twin.calibration.passage import load_range
-from bearing_twin.calibration.posterior import weighted_quantile
-from bearing_twin.calibration.refusals import Kind
+from bearing_twin.calibration.candidates.passage import load_range
+from bearing_twin.calibration.candidates.posterior import weighted_quantile
 from bearing_twin.dynamics.equations.sensor_path import SensorPath, window_length
 from bearing_twin.dynamics.parameters import check_bearing, FITTED
 from bearing_twin.errors import BearingTwinError

@@ -12,16 +12,16 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.calibration.refusals import Kind, Refusal
-from bearing_twin.calibration.summaries import ELSEWHERE, HIGH_SHARE
+from bearing_twin.calibration.answer.refusals import Kind, Refusal
+from bearing_twin.calibration.measured.summaries import ELSEWHERE, HIGH_SHARE
 import numpy as np
 import scipy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from bearing_twin.calibration.cloud import Situation
-    from bearing_twin.calibration.summaries import Correlation, Summary
+    from bearing_twin.calibration.candidates.cloud import Situation
+    from bearing_twin.calibration.measured.summaries import Correlation, Summary
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
@@ -110,7 +110,7 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> rng = np.random.default_rng(1)
     >>> x = 1e-3 * rng.standard_normal(51200)
     >>> entry = np.cumsum(143 + rng.integers(-2, 3, size=300))
@@ -179,8 +179,8 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.cloud import example
-    >>> from bearing_twin.calibration.summaries import correlate
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> machine = example()
     >>> x = 1e-3 * np.random.default_rng(1).standard_normal(25600)
     >>> x[200:25000:143] += 1.0

@@ -14,8 +14,8 @@ from dataclasses import replace
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.calibration.cloud import unknowns, vibrations
-from bearing_twin.calibration.summaries import squared_envelope
+from bearing_twin.calibration.candidates.cloud import unknowns, vibrations
+from bearing_twin.calibration.measured.summaries import squared_envelope
 from bearing_twin.diagnosis.thresholds import INDEX_SUSPECT
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +23,7 @@ import scipy
 from scipy import fft
 
 if TYPE_CHECKING:
-    from bearing_twin.calibration.cloud import Situation
+    from bearing_twin.calibration.candidates.cloud import Situation
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -210,7 +210,7 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
 
     Examples
     --------
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> x = np.random.default_rng(1).standard_normal(25600)
     >>> line_over_floor(x, machine) < 15.0
@@ -249,7 +249,7 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     Noise that swells with orders 1 to 6; the outer race of a 6307 strikes 3.026 times a turn:
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.calibration.cloud import Situation
+    >>> from bearing_twin.calibration.candidates.cloud import Situation
     >>> machine = Situation(
     ...     bearing=find_bearing('6307'), place='outer', shaft_hz=25.0, sample_rate=12800.0
     ... )
@@ -297,7 +297,7 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> x = np.random.default_rng(1).standard_normal(51200)
     >>> x[::143] += 12.0
@@ -352,7 +352,7 @@ def smallest_shown(
     --------
     Quiet noise of 0.01 m/s^2 would have shown the narrowest defect that is tried:
 
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example('none')
     >>> quiet = 0.01 * np.random.default_rng(1).standard_normal(12800)
     >>> smallest_shown(quiet, machine, 1.0, 0.0, 0)

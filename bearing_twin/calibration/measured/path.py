@@ -15,7 +15,7 @@ import itertools
 import math
 from typing import NamedTuple
 
-from bearing_twin.calibration.summaries import HIGH_SHARE, levinson, TAPERED
+from bearing_twin.calibration.measured.summaries import HIGH_SHARE, levinson, TAPERED
 from bearing_twin.dynamics.equations.sensor_path import SensorPath
 from bearing_twin.errors import BearingTwinError
 import numpy as np

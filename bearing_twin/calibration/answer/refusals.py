@@ -7,22 +7,22 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.calibration import posterior
-from bearing_twin.calibration.healthy import (
+from bearing_twin.calibration.answer.healthy import (
     between_impacts,
     COMB_OVER_FLOOR,
     line_over_floor,
     order_of_the_shaft,
     SLIPPED,
 )
-from bearing_twin.calibration.passage import widest
-from bearing_twin.calibration.summaries import CLEAR, ELSEWHERE, likeness, RIVAL
+from bearing_twin.calibration.candidates import posterior
+from bearing_twin.calibration.candidates.passage import widest
+from bearing_twin.calibration.measured.summaries import CLEAR, ELSEWHERE, likeness, RIVAL
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.calibration.cloud import Situation
-    from bearing_twin.calibration.posterior import Posterior
-    from bearing_twin.calibration.summaries import Correlation, Summary
+    from bearing_twin.calibration.candidates.cloud import Situation
+    from bearing_twin.calibration.candidates.posterior import Posterior
+    from bearing_twin.calibration.measured.summaries import Correlation, Summary
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
@@ -108,7 +108,7 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> no_impacts(np.random.default_rng(1).standard_normal(25600), machine).why[:44]
     'no impacts at the 89.6 Hz of the outer race '
@@ -143,7 +143,7 @@ def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
     --------
     >>> import numpy as np
     >>> from dataclasses import replace
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> x = np.random.default_rng(1).standard_normal(51200)
     >>> x[::143] += 12.0
@@ -178,9 +178,9 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
-    >>> from bearing_twin.calibration.summaries import correlate
+    >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> noise = correlate(np.random.default_rng(1).standard_normal(25600), 12800.0)
     >>> too_wide(noise, machine, noise.summary(machine.longest)) is None
     True
@@ -227,9 +227,9 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.cloud import example
+    >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
-    >>> from bearing_twin.calibration.summaries import correlate
+    >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> noise = correlate(np.random.default_rng(0).standard_normal(25600), 12800.0)
     >>> unresolved(noise, noise.summary(machine.longest), machine).kind.value
     'one_impact'
@@ -281,8 +281,8 @@ def copied(x: FloatArray, situation: Situation, measured: Summary) -> Refusal | 
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.cloud import example
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> x = 1e-3 * np.random.default_rng(1).standard_normal(25600)
     >>> x[200:25000:143] += 1.0
@@ -330,8 +330,8 @@ def with_farther(
     A ball about each 11 ms, whose exit is 7 ms after its entry:
 
     >>> import numpy as np
-    >>> from bearing_twin.calibration.cloud import example
-    >>> from bearing_twin.calibration.summaries import correlate
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> machine, rng = example(), np.random.default_rng(1)
     >>> x = 1e-3 * rng.standard_normal(128000)
     >>> entries = np.arange(200, 127000, 143) + rng.integers(-9, 10, 887)
@@ -372,8 +372,8 @@ def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | N
     Examples
     --------
     >>> import numpy as np
-    >>> from bearing_twin.calibration.cloud import example
-    >>> from bearing_twin.calibration.summaries import summarise
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest)
