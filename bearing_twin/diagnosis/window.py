@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.diagnosis.combs.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.combs.passages import ball_passages
 from bearing_twin.diagnosis.combs.sidebands import comb_index
-from bearing_twin.diagnosis.signal.columns import aligned, power_of_lines
+from bearing_twin.diagnosis.signal.columns import Lapping, power_of_lines
 from bearing_twin.diagnosis.signal.demodulation import highest_order
 from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, ShaftSpeed
@@ -72,7 +72,7 @@ class Window:
         count = len(self.bands)
         narrow = slice(count - (count + 1) // 2, count)
         parts = [np.concatenate(each.envelopes, axis=1)[:, narrow] for each in self.segments]
-        joined = _joined(parts, self.lap)
+        joined = Lapping(parts, self.lap).joined()
         if self.equal_angles is not None:
             joined = resample(joined, self.equal_angles)
         return ball_passages(joined, self.revolutions, bearing)
@@ -85,11 +85,11 @@ class Window:
         group, column = divmod(self.bands.index(band), L)
         parts = (each.envelopes[group][:, column : column + 1] for each in self.segments)
         weighed = [part * power for part, power in zip(parts, powers, strict=True)]
-        joined = _joined(weighed, self.lap)
+        whole = Lapping(weighed, self.lap)
         if self.equal_angles is not None:
-            joined = resample(joined, self.equal_angles)
+            whole = Lapping([resample(whole.joined(), self.equal_angles)])
         lines = np.empty((len(self.orders.excess), 1), np.float32)
-        power_of_lines(joined, lines, 0)
+        power_of_lines(whole, lines, 0)
         floor = local_floor(lines.T, 2 * self.envelopes.hop).T
         above = replace(self.orders, excess=np.maximum(lines - floor, np.float32(0.0)))
         return comb_index(above, order)
@@ -140,15 +140,14 @@ def analyse_window(
 
     """
     lap, bands = layout.lap // layout.step, layout.tree.bands
-    slow = _joined([segment.slow for segment in segments], lap)
-    envelopes = (
-        _joined(parts, lap)
-        for parts in zip(*(segment.envelopes for segment in segments), strict=True)
-    )
+    slow = Lapping([segment.slow for segment in segments], lap).joined()
+    parts = zip(*(segment.envelopes for segment in segments), strict=True)
+    envelopes = (Lapping(part, lap) for part in parts)
     shaft_hz, at = turning.mean_hz, None
     if turning.varies:
         at = turning.equal_angles(len(slow)) / layout.step
-        slow, envelopes = resample(slow, at), (resample(part, at) for part in envelopes)
+        slow = resample(slow, at)
+        envelopes = (Lapping([resample(part.joined(), at)]) for part in envelopes)
     rate = layout.sample_rate / layout.step
     bin_hz = rate / len(slow)
     spectra = spectra_of(
@@ -183,14 +182,3 @@ def analyse_window(
         lap,
         at,
     )
-
-
-def _joined(parts: Sequence[NDArray[np.float32]], lap: int) -> NDArray[np.float32]:
-    """Join segments that fade into one another over ``lap`` points; leave out the first lap."""
-    hop = len(parts[0]) - lap
-    whole = aligned(len(parts) * hop, *parts[0].shape[1:])
-    np.concatenate([part[lap:] for part in parts], out=whole)
-    for number, part in enumerate(parts[1:], start=1):
-        end = whole[number * hop - lap : number * hop]
-        end += part[:lap]
-    return whole

@@ -163,6 +163,19 @@ def load(typing, array, row):
 
 
 @_intrinsic
+def load_from(typing, address, row):
+    """Sixteen numbers of single precision from ``64 row`` bytes behind an address on."""
+
+    def code(context, builder, sig, args):
+        place = builder.inttoptr(args[0], _VECTOR.as_pointer())
+        value = builder.load(builder.gep(place, [args[1]]))
+        value.align = 4
+        return value
+
+    return FLOATS(types.intp, types.intp), code
+
+
+@_intrinsic
 def load_fours(typing, array, begins, row, pair, ahead):
     """
     Four consecutive numbers of a flat float32 array for each of sixteen places, as four values.

@@ -21,6 +21,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.signal.columns import Lapping
 from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.signal.spectra import envelope_spectra, WHITENINGS
 from bearing_twin.memory import keep_freed_memory
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 def _rescored(change: Callable[[_Logs, int], _Logs]) -> Callable[..., EnvelopeSpectra]:
     """Score other values of the bands; the effect sizes stay as they are."""
 
-    def spectra(envelopes: Iterable[_Logs], rate: float, **known: Any) -> EnvelopeSpectra:
+    def spectra(envelopes: Iterable[Lapping], rate: float, **known: Any) -> EnvelopeSpectra:
         found = envelope_spectra(envelopes, rate, **known)
         logs: _Logs = change(found.logs, len(found.power))
         return replace(found, logs=logs)
@@ -50,12 +51,12 @@ def _rescored(change: Callable[[_Logs, int], _Logs]) -> Callable[..., EnvelopeSp
     return spectra
 
 
-def _of_log(envelopes: Iterable[_Logs], rate: float, *, share: float, **known: Any) -> Any:
+def _of_log(envelopes: Iterable[Lapping], rate: float, *, share: float, **known: Any) -> Any:
     """Score the spectrum of the logarithm of the envelope, or its mean with the squared one's."""
     parts = list(envelopes)
+    wholes = (part.joined() for part in parts)
     # The offset keeps the mean above zero; lines over their floor do not depend on it.
-    logs = [np.log(np.maximum(p / p.mean(axis=0), 1e-3)) + 14.0 for p in parts]
-    # These are overwritten.
+    logs = [Lapping([np.log(np.maximum(p / p.mean(axis=0), 1e-3)) + 14.0]) for p in wholes]
     found, other = (envelope_spectra(each, rate, **known) for each in (parts, logs))
     delta = other.logs - found.logs
     return replace(found, logs=np.asarray(found.logs + share * delta))

@@ -11,7 +11,7 @@ from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_envelopes
-from bearing_twin.diagnosis.signal.columns import power_of_lines, transform_rows
+from bearing_twin.diagnosis.signal.columns import Lapping, power_of_lines, transform_rows
 from bearing_twin.diagnosis.signal.demodulation import choose_layout
 from bearing_twin.diagnosis.signal.gate import check_record
 from bearing_twin.diagnosis.signal.lines import NEUTRAL
@@ -30,7 +30,7 @@ def _envelope_spectra(whitened, tree, *, max_hz, floor_width):
     """Spectra of a whole record that is one segment: at each of its samples, nothing left out."""
     points = 2 * (tree.levels[0][0])
     return envelope_spectra(
-        squared_envelopes(whitened, tree, points),
+        map(Lapping, zip(squared_envelopes(whitened, tree, points))),
         points * tree.bin_hz,
         bands=len(tree.bands),
         max_hz=max_hz,
@@ -189,12 +189,32 @@ def test_ranks_of_columns_are_those_of_sorting(rng, kind, count, columns):
             assert (found == rows[rank]).all()
 
 
-@pytest.mark.parametrize(('points', 'bands'), [(1280, 20), (1225, 3), (1250, 20), (2 * 1009, 5)])
-def test_power_of_lines_is_that_under_a_hann_window(rng, points, bands):
-    x = rng.exponential(size=(points, bands)).astype(np.float32)
-    power = np.empty((points // 2 - 1, bands), np.float32)
+@pytest.mark.parametrize(
+    ('points', 'bands', 'parts', 'lap'),
+    [
+        (1280, 20, 1, 0),
+        (1225, 3, 1, 0),
+        (1250, 20, 1, 0),
+        (2 * 1009, 5, 1, 0),
+        # Parts of a whole whose transform begins with passes of 16 and of 20, and with neither.
+        (1280, 20, 8, 64),
+        (1280, 20, 2, 32),
+        (1280, 20, 5, 16),
+        (1440, 20, 3, 16),
+        (1280, 20, 8, 12),
+        (1280, 20, 8, 160),
+    ],
+)
+def test_power_of_lines_is_that_under_a_hann_window(rng, points, bands, parts, lap):
+    hop = points // parts
+    cut = rng.exponential(size=(parts, hop + lap, bands)).astype(np.float32)
+    x = cut[:, lap:].reshape(points, bands).astype(float)
+    for number in range(1, parts):
+        x[number * hop - lap : number * hop] += cut[number, :lap]
+    before, power = cut.copy(), np.empty((points // 2 - 1, bands), np.float32)
     for first in range(0, bands, 16):
-        power_of_lines(x[:, first : first + 16].copy(), power, first)
+        power_of_lines(Lapping(list(cut[:, :, first : first + 16]), lap), power, first)
+    assert (cut == before).all()
     relative = x / x.mean(axis=0, dtype=float) - 1.0
     window = 1.0 - np.cos(2.0 * np.pi * np.arange(points) / points)
     exact = np.abs(np.fft.rfft(window[:, None] * relative, axis=0) / points) ** 2
@@ -208,7 +228,7 @@ def test_points_of_an_envelope_do_not_change_its_spectrum(rng, points):
     tree = band_tree(12_800, 1.0, depth=3, narrowest_hz=700.0)
     few, many = (
         envelope_spectra(
-            squared_envelopes(white, tree, count),
+            map(Lapping, zip(squared_envelopes(white, tree, count))),
             float(count),
             bands=len(tree.bands),
             max_hz=500.0,

@@ -239,12 +239,12 @@ def _add_tiles(
             signal = signals[whitening, number, :-1]
             source, out = (rows, signal) if crosses else (signal, rows)
             _parts_beside(whitened[whitening], part, count, number, source)
-            transform_passes(source, turns, radices, work[:20], out)
+            transform_passes(source, 2 * part, turns, radices, work[:20], out)
     for group in range(groups):
         rows[:] = np.float32(0.0)
         for number in range(group * parts, (group + 1) * parts):
             _add_powers(signals[0, number], signals[1, number], rows)
-        transform_passes(rows, turns, radices, work[:20], other)
+        transform_passes(rows, 2 * part, turns, radices, work[:20], other)
         for whitening in range(2):
             _add_lags(sums, whitening, 0, members[0, group], whitening * bands, values, lags)
     for whitening in range(2):
@@ -260,7 +260,7 @@ def _add_tiles(
                         shift, at = divmod(number + apart, count)
                         one, second = signals[whitening, number], signals[whitening, at]
                         _add_products(one, second, shift, rows)
-                    transform_passes(rows, turns, radices, work[:20], other)
+                    transform_passes(rows, 2 * part, turns, radices, work[:20], other)
                     belong, column = members[beside, group], whitening * bands
                     _add_lags(sums, whitening, apart, belong, column, values, lags)
 

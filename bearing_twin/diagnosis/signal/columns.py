@@ -11,14 +11,16 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.numerics.compiled import compiled, FAST
-from bearing_twin.numerics.vector import chosen, L, load, splat, store
+from bearing_twin.numerics.vector import chosen, L, load, load_from, splat, store
 import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 
@@ -29,6 +31,8 @@ _TINY = 1e-30
 _TOGETHER = 20, 16, 9
 """Factors by which two passes are done at once: fours and fives, fours and fours, threes and
 threes. Twenty comes first: a length has more twos than fives."""
+_FIRST = 20, 16
+"""Those of a first pass that takes its rows from parts of a record."""
 _LARGEST = 13
 """Largest prime factor of a length whose lines are summed one by one, which takes its square."""
 
@@ -75,7 +79,7 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
         return np.concatenate((found.real, found.imag), axis=1)
     room = aligned(count + 20, ROW)
     other = room[:count]
-    transform_passes(rows, turns(count), factors, room[count:], other)
+    transform_passes(rows, count, turns(count), factors, room[count:], other)
     return (rows, other)[len(factors) % 2]
 
 
@@ -181,6 +185,48 @@ def _fours(
             _four(rows, a, 2 * left * done, turns, p * done, out, o, 2 * done)
 
 
+@compiled(inline=True, fast=FAST, borrows=True)
+def _sixteen(
+    rows: NDArray[np.float32],
+    a: int,
+    apart: int,
+    turns: NDArray[np.float32],
+    p: int,
+    left: int,
+    done: int,
+    few: NDArray[np.float32],
+    out: NDArray[np.float32],
+    o: int,
+) -> None:
+    """Write the butterflies of two passes by fours, of sixteen rows so far apart."""
+    for k in range(4):
+        at = (p + left * k) * done
+        _four(rows, a + k * apart, 4 * apart, turns, at, few, 8 * k, 2)
+    for k in range(4):
+        _four(few, 2 * k, 8, turns, 4 * p * done, out, o + 2 * done * k, 8 * done)
+
+
+@compiled(inline=True, fast=FAST, borrows=True)
+def _twenty(
+    rows: NDArray[np.float32],
+    a: int,
+    apart: int,
+    turns: NDArray[np.float32],
+    p: int,
+    left: int,
+    done: int,
+    few: NDArray[np.float32],
+    out: NDArray[np.float32],
+    o: int,
+) -> None:
+    """Write those of a pass by fours and one by fives."""
+    for k in range(5):
+        at = (p + left * k) * done
+        _four(rows, a + k * apart, 5 * apart, turns, at, few, 8 * k, 2)
+    for k in range(4):
+        _prime(few, 2 * k, 8, turns, 4 * p * done, 5, out, o + 2 * done * k, 8 * done)
+
+
 @compiled(fast=FAST, borrows=True)
 def _sixteens(
     rows: NDArray[np.float32],
@@ -205,13 +251,8 @@ def _sixteens(
     """
     for p in range(left):
         for q in range(done):
-            for k in range(4):
-                at = p + left * k
-                a = 2 * (q + done * at)
-                _four(rows, a, 8 * left * done, turns, at * done, few, 8 * k, 2)
-            for k in range(4):
-                o = 2 * (q + done * (k + 16 * p))
-                _four(few, 2 * k, 8, turns, 4 * p * done, out, o, 8 * done)
+            a, o = 2 * (q + done * p), 2 * (q + 16 * done * p)
+            _sixteen(rows, a, 2 * left * done, turns, p, left, done, few, out, o)
 
 
 @compiled(fast=FAST, borrows=True)
@@ -226,13 +267,8 @@ def _twenties(
     """Do a pass by fours and one by fives at once, as :func:`_sixteens` does two by fours."""
     for p in range(left):
         for q in range(done):
-            for k in range(5):
-                at = p + left * k
-                a = 2 * (q + done * at)
-                _four(rows, a, 10 * left * done, turns, at * done, few, 8 * k, 2)
-            for k in range(4):
-                o = 2 * (q + done * (k + 20 * p))
-                _prime(few, 2 * k, 8, turns, 4 * p * done, 5, out, o, 8 * done)
+            a, o = 2 * (q + done * p), 2 * (q + 20 * done * p)
+            _twenty(rows, a, 2 * left * done, turns, p, left, done, few, out, o)
 
 
 @compiled(fast=FAST, borrows=True)
@@ -333,6 +369,7 @@ def _primes(
 @compiled(borrows=True)
 def transform_passes(
     rows: NDArray[np.float32],
+    left: int,
     turns: NDArray[np.float32],
     radices: NDArray[np.intp],
     few: NDArray[np.float32],
@@ -345,15 +382,16 @@ def transform_passes(
     ----------
     rows
         (N, 32), overwritten; where the number of passes is even the result is there.
+    left
+        Length that is left to transform, N before the first pass.
     turns, radices
-        Of the length, see :func:`turns` and :func:`radices`.
+        Those of N, and of what is left: see :func:`turns` and :func:`radices`.
     few
         (20, 32) to work in.
     other
         As ``rows``, written; where the number of passes is odd the result is there.
 
     """
-    left = len(rows)
     for number, radix in enumerate(radices):
         done = len(rows) // left
         left //= radix
@@ -377,17 +415,9 @@ def _put(out: NDArray[np.float32], at: int, real: Any, imag: Any) -> None:
     store(out, at + 1, imag)
 
 
-def pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
-    """
-    Rows of up to sixteen real columns; of an even number of samples, two are a complex number.
-
-    >>> pairs(np.ones((6, 3), np.float32)).shape, pairs(np.ones((5, 16), np.float32)).shape
-    ((3, 32), (5, 32))
-
-    """
+def _pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Rows of up to sixteen columns; of an even number of samples, two are a complex number."""
     count, columns = x.shape
-    if count % 2 == 0 and columns == L:
-        return np.ascontiguousarray(x).reshape(-1, ROW)
     rows = np.zeros((count // 2, 2, L) if count % 2 == 0 else (count, 1, 2 * L), np.float32)
     rows[..., :columns] = x.reshape(len(rows), -1, columns)
     return rows.reshape(-1, ROW)
@@ -447,7 +477,110 @@ def _join_lines(
         _put(rows[k], 0, ar + br - di, ai - bi + dr)
 
 
-def power_of_lines(x: NDArray[np.float32], power: NDArray[np.float32], first: int) -> None:
+class Lapping(NamedTuple):
+    """
+    A record in parts that fade into one another.
+
+    >>> parts = [np.ones((6, 2), np.float32), np.full((6, 2), 2.0, np.float32)]
+    >>> Lapping(parts, 2).joined()[:, 0].tolist()
+    [1.0, 1.0, 3.0, 3.0, 2.0, 2.0, 2.0, 2.0]
+
+    """
+
+    parts: Sequence[NDArray[np.float32]]
+    """Of one length, (hop + lap, ...)."""
+    lap: int = 0
+    """Points by which each laps over the one before; the first lap is left out."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the whole."""
+        points, *columns = self.parts[0].shape
+        return (len(self.parts) * (points - self.lap), *columns)
+
+    def joined(self) -> NDArray[np.float32]:
+        """Return the whole, in memory of its own."""
+        lap, whole = self.lap, aligned(*self.shape)
+        hop = len(whole) // len(self.parts)
+        np.concatenate([part[lap:] for part in self.parts], out=whole)
+        for number, part in enumerate(self.parts[1:], start=1):
+            end = whole[number * hop - lap : number * hop]
+            end += part[:lap]
+        return whole
+
+
+def _transform_lapping(x: Lapping, each: int) -> NDArray[np.float32]:
+    """
+    Transform parts whose rows are so many points, as `transform_rows` does the whole.
+
+    The first pass takes its rows from the parts: to join them takes as long as that pass.
+    """
+    points, count = len(x.parts[0]), x.shape[0] // each
+    number, lap = len(x.parts), x.lap // each
+    # Of the rows that go together as many are of each part.
+    fits = (r for r in _FIRST if r % number == 0 and count % r == 0 and lap <= count // r)
+    radix = next(fits, 0)
+    if not radix or points % each or x.lap % each:
+        return transform_rows(x.joined().reshape(-1, ROW))
+    parts = [np.ascontiguousarray(part) for part in x.parts]
+    places = np.array([_address(part) for part in parts])
+    left = count // radix
+    factors, room = radices(left), aligned(2 * count + 40, ROW)
+    rows, other, few = room[:count], room[count:-40], room[-40:]
+    _transform_parts(places, lap, radix, turns(count), factors, few, rows, other)
+    return (rows, other)[len(factors) % 2]
+
+
+@compiled(fast=FAST, borrows=True)
+def _transform_parts(
+    places: NDArray[np.intp],
+    lap: int,
+    radix: int,
+    turns: NDArray[np.float32],
+    radices: NDArray[np.intp],
+    few: NDArray[np.float32],
+    rows: NDArray[np.float32],
+    other: NDArray[np.float32],
+) -> None:
+    """
+    Do all passes of a transform, the first one from parts of a record that lap over.
+
+    Parameters
+    ----------
+    places
+        (P,) addresses of the parts, (N / P + lap, 32) each.
+    lap
+        Rows.
+    radix
+        Of the first pass, 16 or 20: a multiple of P.
+    turns, radices
+        Those of N, and of N / radix.
+    few
+        (40, 32) to work in.
+    rows, other
+        (N, 32), see :func:`transform_passes`.
+
+    """
+    left, hop, each = len(rows) // radix, len(rows) // len(places), radix // len(places)
+    gathered, work = few[:20], few[20:]
+    for p in range(left):
+        for k in range(radix):
+            number = k // each
+            at = lap + p + left * (k - number * each)
+            real, imag = load_from(places[number], 2 * at), load_from(places[number], 2 * at + 1)
+            if at >= hop and number + 1 < len(places):
+                beside, behind = places[number + 1], 2 * (at - hop)
+                real = real + load_from(beside, behind)
+                imag = imag + load_from(beside, behind + 1)
+            _put(gathered, 2 * k, real, imag)
+        if radix == 16:
+            _sixteen(gathered, 0, 2, turns, p, left, 1, work, rows, 32 * p)
+        else:
+            _twenty(gathered, 0, 2, turns, p, left, 1, work, rows, 40 * p)
+    transform_passes(rows, left, turns, radices, work, other)
+
+
+def power_of_lines(x: Lapping, power: NDArray[np.float32], first: int) -> None:
     """
     Write the power of the lines of some squared envelopes relative to that of their mean.
 
@@ -456,7 +589,7 @@ def power_of_lines(x: NDArray[np.float32], power: NDArray[np.float32], first: in
     Parameters
     ----------
     x
-        Up to sixteen columns, shape (N, n); overwritten.
+        Up to sixteen columns, shape (N, n).
     power
         (K, B), n columns of it written; row k is line k + 1.
     first
@@ -464,18 +597,20 @@ def power_of_lines(x: NDArray[np.float32], power: NDArray[np.float32], first: in
 
     >>> x = 1.0 + np.cos(2.0 * np.pi * 3.0 / 64.0 * np.arange(64.0))[:, np.newaxis]
     >>> power = np.empty((6, 1), np.float32)
-    >>> power_of_lines(x.astype(np.float32), power, 0)
+    >>> power_of_lines(Lapping([x.astype(np.float32)]), power, 0)
     >>> power[:, 0].round(4).tolist()
     [0.0, 0.0625, 0.25, 0.0625, 0.0, 0.0]
 
     """
     count, columns = x.shape
     if columns == 4 and count % 8 == 0:
-        rows = transform_rows(x.reshape(-1, ROW))
+        rows = _transform_lapping(x, 8)
         quarters, lines = aligned(count // 8 + 1, ROW), aligned(len(power) + 2, 8)
         four_line_power(rows, turns(count // 4), turns(count), quarters, lines, power, first)
     else:
-        line_power(transform_rows(pairs(x)), turns(count), power, first, np.empty(L, np.float32))
+        whole = columns == L and count % 2 == 0
+        rows = _transform_lapping(x, 2) if whole else transform_rows(_pairs(x.joined()))
+        line_power(rows, turns(count), power, first, np.empty(L, np.float32))
 
 
 @compiled(inline=True, fast=FAST)
@@ -520,7 +655,7 @@ def line_power(
     Parameters
     ----------
     rows, turns
-        Transforms of sixteen squared envelopes, see :func:`pairs`.
+        Transforms of sixteen squared envelopes, see `_pairs`.
     power
         (K, B), written up to sixteen columns; row k is line k + 1.
     first

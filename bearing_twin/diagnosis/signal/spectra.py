@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import functools
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.signal.columns import power_of_lines
+from bearing_twin.diagnosis.signal.columns import Lapping, power_of_lines
 from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L
@@ -306,7 +306,7 @@ class EnvelopeSpectra:
 
 
 def envelope_spectra(
-    envelopes: Iterable[NDArray[np.float32]],
+    envelopes: Iterable[Lapping],
     rate: float,
     *,
     bands: int,
@@ -322,7 +322,7 @@ def envelope_spectra(
     Parameters
     ----------
     envelopes
-        Squared envelopes, (N, n) of a few bands at a time, whitening by whitening; overwritten.
+        Squared envelopes, (N, n) of up to sixteen bands at a time, whitening by whitening.
     rate
         Points a second.
     bands
@@ -332,7 +332,8 @@ def envelope_spectra(
     floor_width
         Bins in a block of the floor.
 
-    >>> envelopes = np.random.default_rng(0).exponential(size=(2, 1280, 4)).astype(np.float32)
+    >>> noise = np.random.default_rng(0).exponential(size=(2, 1280, 4)).astype(np.float32)
+    >>> envelopes = [Lapping([part]) for part in noise]
     >>> found = envelope_spectra(envelopes, 1280.0, bands=4, max_hz=500.0, floor_width=64)
     >>> found.logs.shape, found.power.shape, found.bin_hz
     ((500, 8), (4, 500), 1.0)
@@ -340,17 +341,13 @@ def envelope_spectra(
     """
     begin = 0
     for part in envelopes:
+        points, columns = part.shape
         if not begin:
-            points = len(part)
             bin_hz = rate / points
             count = min(max(int(max_hz / bin_hz), 16), points // 2 - 1)
             power = np.empty((count, len(WHITENINGS) * bands), np.float32)
-        for column in range(0, part.shape[1], L):
-            some = part[:, column : column + L]
-            power_of_lines(some, power, begin)
-            begin += some.shape[1]
-        # Its memory is that of the next part.
-        del part, some
+        power_of_lines(part, power, begin)
+        begin += columns
     levels, first, hop = column_levels(power, floor_width)
     logs, excess = np.empty_like(power), np.empty((count, bands), np.float32)
     _over_floor(power, levels, first, hop, logs, excess)
