@@ -351,19 +351,21 @@ class Analysis:
     def conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
         """Diagnosis from these samples and the spectra of earlier windows, oldest first."""
         excerpt, window = self.excerpt, self.window
-        taken = insufficient(
-            [*excerpt.notes, *self.refused],
-            excerpt.bearing,
-            first_sample=excerpt.first_sample,
-            sample_count=excerpt.sample_count,
-            sample_rate=excerpt.sample_rate,
-            shaft_hz=self.shaft_hz,
-            temperature=excerpt.temperature,
-            unit=excerpt.unit,
-            severity=excerpt.severity(self.shaft_hz) if window is None else None,
-        )
+        taken: dict[str, Any] = {
+            'first_sample': excerpt.first_sample,
+            'sample_count': excerpt.sample_count,
+            'sample_rate': excerpt.sample_rate,
+            'temperature': excerpt.temperature,
+        }
         if window is None:
-            return taken
+            return insufficient(
+                [*excerpt.notes, *self.refused],
+                excerpt.bearing,
+                **taken,
+                shaft_hz=self.shaft_hz,
+                unit=excerpt.unit,
+                severity=excerpt.severity(self.shaft_hz),
+            )
         verdict, speed = self._verdict([*earlier, *self.before, window.orders], window)
         settings = excerpt.settings
         asked = settings.power_group and settings.mounting and not window.severity.iso_zone
@@ -371,9 +373,11 @@ class Analysis:
         return report(
             verdict._replace(reasons=(*verdict.reasons, *slow)),
             window if speed is window.speed else replace(window, speed=speed),
-            taken,
             excerpt.bearing,
+            notes=excerpt.notes,
             simulated=excerpt.simulated,
+            shaft_hz_given=self.shaft_hz,
+            **taken,
         )
 
     def _verdict(

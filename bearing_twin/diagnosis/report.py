@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
 from bearing_twin.diagnosis.power import shown_by, smallest_detectable
@@ -28,14 +27,18 @@ if TYPE_CHECKING:
 def report(
     verdict: Verdict,
     window: Window,
-    taken: Diagnosis,
     bearing: Bearing,
     *,
+    notes: Sequence[str] = (),
     simulated: bool = False,
+    sample_rate: float,
+    temperature: float = math.nan,
+    **taken: Any,
 ) -> Diagnosis:
     """
-    Diagnosis of a window from the verdict on it and from what was ``taken``, see `insufficient`.
+    Diagnosis of a window from the verdict on it and from what is known of the samples.
 
+    ``notes`` come before the reasons of the verdict, and ``taken`` are fields of the diagnosis.
     The smallest fault that would have shown is named where the samples are ``simulated``.
 
     >>> from bearing_twin.bearing import find_bearing
@@ -50,8 +53,8 @@ def report(
     >>> turning = Turning(np.array([25.0]), np.array([51200]))
     >>> segments = [demodulate(noise, layout)]
     >>> window = analyse_window(segments, layout, bearing, turning, DiagnosisSettings())
-    >>> taken = insufficient([], bearing, sample_rate=25600.0, shaft_hz=25.0)
-    >>> verdict = report(decide(Evidence.of()), window, taken, bearing)
+    >>> taken = {'first_sample': 0, 'sample_count': 51200, 'shaft_hz_given': 25.0}
+    >>> verdict = report(decide(Evidence.of()), window, bearing, sample_rate=25600.0, **taken)
     >>> verdict.result, verdict.fault_code
     ('healthy', 'BEARING_OK')
 
@@ -74,15 +77,17 @@ def report(
         line_hz = harmonics_hz.astype(np.float32)
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
-    could = (shaft_hz, taken.temperature, window.severity.rms, unit, bearing.d_ball)
+    could = (shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball)
     smallest = smallest_detectable(window.seconds, *could) if simulated else math.nan
-    reasons = (*taken.reasons, *verdict.reasons)
+    reasons = (*notes, *verdict.reasons)
     if simulated and verdict.result == 'insufficient':
         shown = shown_by(window.seconds, *could)
         reasons = (*reasons, f'smallest race fault that would have shown: {shown}')
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
-    return replace(
-        taken,
+    return Diagnosis(
+        **taken,
+        sample_rate=sample_rate,
+        temperature=temperature,
         result=verdict.result,
         rule=verdict.rule,
         level=verdict.level,
@@ -107,7 +112,7 @@ def report(
             unit=unit,
             start_hz=first_hz,
             bin_hz=group_hz,
-            band=(0.0, 0.5 * taken.sample_rate),
+            band=(0.0, 0.5 * sample_rate),
             values=amplitude,
         ),
         envelope_spectrum=Spectrum(
