@@ -211,11 +211,11 @@ class CombScores(NamedTuple):
             self.center,
             self.inverse,
             self.whitenings,
+            self.best_center,
+            self.best_spread,
             np.empty(len(self.center), np.float32),
             best,
         )
-        best -= self.best_center
-        best /= self.best_spread
         return best
 
     def bands(

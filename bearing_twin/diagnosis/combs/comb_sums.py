@@ -128,11 +128,15 @@ def best_bands(
     center: NDArray[np.float32],
     inverse: NDArray[np.float32],
     whitenings: int,
+    best_center: float,
+    best_spread: float,
     silent: NDArray[np.float32],
     best: NDArray[np.float64],
 ) -> None:
     """
-    Write the mean over whitenings of each comb's best standardised band; combs have 4 harmonics.
+    Write the standardised mean over whitenings of each comb's best standardised band.
+
+    Combs have four harmonics.
 
     Parameters
     ----------
@@ -142,6 +146,8 @@ def best_bands(
         (C,) median, and one over the spread, of each column.
     whitenings
         Number of whitenings.
+    best_center, best_spread
+        Median and spread of the mean.
     silent
         (C,) to work in.
     best
@@ -174,7 +180,7 @@ def best_bands(
                 others = _sixteen(row1, row2, row3, row4, center, inverse, c)
                 high = chosen(others > high, others, high)
             total += highest(high)
-        best[g] = total / whitenings
+        best[g] = (total / whitenings - best_center) / best_spread
 
 
 @compiled(borrows=True)

@@ -15,6 +15,7 @@ from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands, SIDEBANDS
 from bearing_twin.diagnosis.combs.comb_sums import highest_off, likeliest
 from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
 from bearing_twin.diagnosis.combs.sidebands import modulation_index, sideband_ratio
+from bearing_twin.diagnosis.signal.lines import count_shown
 from bearing_twin.diagnosis.signal.spectra import WHITENINGS
 from bearing_twin.diagnosis.thresholds import (
     HARMONICS,
@@ -63,8 +64,7 @@ class CombSearch:
         spectra = spectra or self.spectra
         found, slip, z = self._peak(place, spectra, slips)
         index, band = self._index(spectra, found, place)
-        harmonics = found * np.arange(1, HARMONICS + 1)
-        alive = int((~self._whole.at_shaft[spectra.rows(harmonics)]).sum())
+        alive = count_shown(self._whole.at_shaft, found, spectra.step, HARMONICS)
         tested = place in RACES and z >= Z_FAULT
         sidebands = sideband_ratio(spectra, found, band) if tested else UNTESTED
         return Candidate(place, found, slip, z, index, band, alive, sidebands)

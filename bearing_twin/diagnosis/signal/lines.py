@@ -72,6 +72,25 @@ def mean_height(
 
 
 @compiled(borrows=True)
+def count_shown(hidden: NDArray[np.bool_], order: float, step: float, harmonics: int) -> int:
+    """
+    Return the number of harmonics of a comb whose rows are not hidden.
+
+    Parameters
+    ----------
+    hidden
+        (K,) mask; row k belongs to order (k + 1) step, and the last one to what is beyond.
+    order, step, harmonics
+        Fundamental order, orders a bin, and number of harmonics.
+
+    """
+    count = 0
+    for n in range(1, harmonics + 1):
+        count += not hidden[nearest_row(order * n * (1.0 / step), len(hidden))]
+    return count
+
+
+@compiled(borrows=True)
 def without_highest(
     logs: NDArray[np.float32],
     hertz: NDArray[np.floating],
