@@ -47,9 +47,9 @@ def test_bad_input_is_refused_in_words(change, text):
         fit(**values)
 
 
-def test_a_real_slot_is_measured(slot, data_dir):
+def test_a_real_slot_is_measured(slot_fit):
     """HIT-SM, inner race, 8 degrees of a radius of 15.55 mm: 2.17 mm."""
-    found = fit(*slot, BEARING, 15.0, candidates=192)
+    found = slot_fit
     width = found.quantities['defect_width_mm']
     assert found.defect == 'inner'
     assert width.identifiable, width

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 
-def test_one_speed_predicts_another(slot, data_dir, tmp_path, capsys):
+def test_one_speed_predicts_another(slot_fit, data_dir, tmp_path, capsys):
     """HIT-SM, fitted at 900, predicted at 1200 1/min: the impacts come closer in time."""
-    found = fit(*slot, BEARING, 15.0, candidates=192)
+    found = slot_fit
     expected = expect(found, shaft_hz=20.0, candidates=32)
     with np.load(data_dir / 'hitsm' / 'hitsm_sq_IR8_1200.npz') as file:
         x, rate = file['x'].astype(float), float(file['fs'])
@@ -88,11 +88,10 @@ def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
         assert str(saved) in said and 'no calibration of this version' in said
 
 
-def test_a_width_no_ball_fits_is_refused(slot):
-    found = fit(*slot, BEARING, 15.0, candidates=64, place='inner')
+def test_a_width_no_ball_fits_is_refused(slot_fit):
     for width in (6.0, 0.01, math.nan):
         with pytest.raises(BearingTwinError, match=r'mm is outside .* half a ball'):
-            expect(found, width_mm=width, candidates=16)
+            expect(slot_fit, width_mm=width, candidates=16)
 
 
 def test_a_width_of_which_nothing_was_seen_is_refused():
