@@ -92,7 +92,7 @@ def test_a_node_needs_no_home(ros_domain, probe, tmp_path, monkeypatch, home):
 
 
 @pytest.mark.ros
-def test_numbers_are_taken_as_meant_and_a_misspelt_parameter_is_named(nodes, probe, tmp_path):
+def test_what_is_given_is_taken_as_meant_or_refused_by_name(nodes, probe, tmp_path):
     nodes.start('twin', {'bearing': 6307, 'noise': 0, 'lod': 500.0})
     probe.until_active('/twin')
     assert probe.get_parameters('/twin', 'bearing', 'noise') == ['6307', 0.0]
@@ -100,23 +100,16 @@ def test_numbers_are_taken_as_meant_and_a_misspelt_parameter_is_named(nodes, pro
         "there is no parameter 'lod'; the nearest are load,"
         in (tmp_path / 'logs/twin.log').read_text()
     )
-
-
-@pytest.mark.ros
-def test_simulated_time_is_not_switched_on_under_a_running_node(nodes, probe):
-    nodes.start('twin', {})
-    probe.until_active('/twin')
+    # Simulated time is not switched on under a running node.
     accepted, reason = probe.set_parameters('/twin', use_sim_time=True)
     assert not accepted
     assert 'use_sim_time' in reason
 
 
 @pytest.mark.ros
-@pytest.mark.parametrize('atomic', [False, True])
-def test_a_parameter_of_no_type_or_too_long_a_text_is_refused(nodes, probe, atomic):
+def test_a_parameter_of_no_type_or_too_long_a_text_is_refused(nodes, probe):
     nodes.start('diagnosis', {})
     probe.until_active('/diagnosis')
-    kind = SetParametersAtomically if atomic else SetParameters
     for value, why in (
         # rclpy would end the node.
         (ParameterValue(type=77), 'Static parameter cannot be undeclared'),
@@ -127,11 +120,12 @@ def test_a_parameter_of_no_type_or_too_long_a_text_is_refused(nodes, probe, atom
         ),
     ):
         given = [Parameter(name='bearing', value=value)]
-        service = f'/diagnosis/set_parameters{"_atomically" * atomic}'
-        answer = probe.call(kind, service, parameters=given)
-        result = answer.result if atomic else answer.results[0]
-        assert not result.successful
-        assert why in result.reason
+        one = probe.call(SetParameters, '/diagnosis/set_parameters', parameters=given)
+        together = '/diagnosis/set_parameters_atomically'
+        atomic = probe.call(SetParametersAtomically, together, parameters=given)
+        for result in (one.results[0], atomic.result):
+            assert not result.successful
+            assert why in result.reason
     assert probe.get_parameters('/diagnosis', 'bearing') == ['6307']
 
 
