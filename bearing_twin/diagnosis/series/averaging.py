@@ -33,9 +33,20 @@ STEP = 0.05
 bin has the mean power over its width, so that no line falls between two."""
 HIGHEST = 40.0
 """Highest order."""
-BANDS = ((1000.0, 5000.0), (2500.0, 10000.0), (5000.0, 20000.0))
-"""Bands that are demodulated, Hz, cut at 0.45 of the sample rate. They overlap: what rings across
-the edge of two is whole in the third, of which more is left below 25 kHz than of the highest."""
+_GROUPS = (
+    ((1000.0,), 4000.0),
+    ((2500.0,), 7500.0),
+    ((5000.0,), 15000.0),
+    (tuple(np.arange(1000.0, 5000.0, 500.0)), 500.0),
+    (tuple(np.arange(1000.0, 22000.0, 1000.0)), 1000.0),
+)
+"""Lower edges of bands and their width, Hz. The wide ones overlap: what rings across the edge of
+two is whole in the third, of which more is left below 25 kHz than of the highest. A resonance is
+some hundred Hz wide, so that most of a wide band is noise without impacts."""
+BANDS = tuple((low, low + width) for lows, width in _GROUPS for low in lows)
+"""Bands that are demodulated, Hz; a wide one is cut at 0.45 of the sample rate."""
+_REACH = 0.8
+"""Share of its width up to which a band tells: at its width the noise of its envelope is zero."""
 HARMONICS = 3
 _FLOORS, _LEAST_FLOOR = 64, 16
 """Blocks of the floor that whitens a snapshot, and fewest bins of one."""
@@ -118,25 +129,40 @@ class AveragedEnvelope:
         spectrum = fft.rfft(x / np.abs(x).max()).astype(np.complex64)
         # Lines that keep time, of gears and converters, beat within a band: they are capped.
         spectrum = whiten(spectrum, max(_LEAST_FLOOR, len(spectrum) // _FLOORS))[0]
-        for row, (low, high) in enumerate(BANDS):
-            first, last = (
-                round(min(edge, 0.45 * sample_rate) * len(x) / sample_rate) for edge in (low, high)
-            )
-            if last - first < 16:
-                continue
-            # One-sided and shifted to zero: the analytic signal of the band, decimated.
-            envelope = np.abs(fft.ifft(spectrum[first:last])) ** 2
-            envelope = envelope / envelope.mean() - 1.0
-            # Zeros behind: the spectrum between the lines of so short a piece.
-            padded = max(4 * len(envelope), 1)
-            power = np.abs(fft.rfft(envelope, padded)) ** 2 / len(envelope) ** 2
-            rate = sample_rate * len(envelope) / len(x)
-            hertz = rate / padded * np.arange(len(power))
-            below = np.concatenate(([0.0], np.cumsum(0.5 * (power[1:] + power[:-1]))))
-            edges = np.interp(self._edges * shaft_hz, hertz, below)
-            self.power[row] += np.diff(edges) * hertz[1] / (STEP * shaft_hz)
+        seconds, row = len(x) / sample_rate, 0
+        highest = round(0.45 * len(x))
+        for lows, width in _GROUPS:
+            first = np.rint(np.array(lows) * seconds).astype(int)
+            count = min(round(width * seconds), highest - first[0])
+            first = first[first + count <= highest]
+            if count >= 16:
+                # One-sided and shifted to zero: the analytic signal of each band, decimated.
+                lines = spectrum[first[:, None] + np.arange(count)]
+                rows = slice(row, row + len(first))
+                self.power[rows] += self._powers(lines, seconds, shaft_hz)
+            row += len(lows)
         self.turns += len(x) / sample_rate * shaft_hz
         self.count += 1
+
+    def _powers(
+        self, lines: NDArray[np.complex64], seconds: float, shaft_hz: float
+    ) -> NDArray[np.float64]:
+        """Power of the squared envelopes of bands of ``lines``, (bands, n), over orders."""
+        # Twice as many samples: squared, a band has lines up to its width.
+        count = 2 * lines.shape[1]
+        envelopes = np.abs(fft.ifft(lines, count)) ** 2
+        envelopes = envelopes / np.maximum(envelopes.mean(axis=1, keepdims=True), 1e-30) - 1.0
+        # Zeros behind: the spectrum between the lines of so short a piece.
+        padded = fft.next_fast_len(2 * count, real=True)
+        power = np.abs(fft.rfft(envelopes, padded)) ** 2 / count**2
+        step_hz = count / (padded * seconds)
+        below = np.zeros(power.shape)
+        np.cumsum(0.5 * (power[:, 1:] + power[:, :-1]), axis=1, out=below[:, 1:])
+        at = self._edges * shaft_hz / step_hz
+        told = at[1:] <= _REACH * power.shape[1]
+        left = np.minimum(at.astype(int), power.shape[1] - 2)
+        edges = below[:, left] + (at - left) * (below[:, left + 1] - below[:, left])
+        return np.where(told, np.diff(edges) * step_hz / (STEP * shaft_hz), 0.0)
 
     def join(self, other: AveragedEnvelope) -> None:
         """Add the snapshots of another average."""
@@ -150,8 +176,14 @@ class AveragedEnvelope:
         turns = self.turns / max(self.count, 1)
         # Wide against a line of this resolution, narrow against the slope of the floor.
         width = 2 * round(max(4.0 / max(turns, 1e-9), 1.5) / STEP) + 1
-        size = (1, min(width, self.power.shape[1] | 1))
-        return np.asarray(median_filter(mean, size=size, mode='nearest'))
+        floor, ends = np.zeros(mean.shape), np.count_nonzero(mean, axis=1)
+        for end in set(ends.tolist()) - {0}:
+            # Orders that a band does not tell are no quiet ones.
+            rows = mean[ends == end, :end]
+            floor[ends == end, :end] = median_filter(
+                rows, size=(1, min(width, end | 1)), mode='nearest'
+            )
+        return floor
 
     def excess(self) -> NDArray[np.float64]:
         """Power over its local floor less one, (bands, K): zero on average where is only noise."""
@@ -179,6 +211,8 @@ class AveragedEnvelope:
         for harmonic in range(1, HARMONICS + 1):
             rows = np.clip(np.rint(harmonic * grid / STEP).astype(int) - 1, 0, excess.shape[1] - 1)
             scores += np.log1p(np.maximum(excess[:, rows], -0.9))
+        # The envelope of a band has no lines above its width; the last rows are the highest.
+        scores[self.power[:, rows] <= 0.0] = np.nan
         shaft = np.abs(grid - np.rint(grid)) < 0.5 * min(resolution, 0.3)
         orders = fault_orders(bearing)
         # At whole orders a fault cannot be told from blades, a gear or the shaft.
@@ -191,11 +225,12 @@ class AveragedEnvelope:
         for place in windows:
             own |= np.abs(grid - orders.impacts(place)) < resolution
         null = scores[:, ~(own | shaft)]
-        if null.shape[1] < 20:
+        scores = scores[told := np.isfinite(null).sum(axis=1) >= 20]
+        if not len(scores):
             return None
-        center = np.median(null, axis=1, keepdims=True)
-        spread = np.quantile(null, 0.8413, axis=1, keepdims=True) - center
-        z = ((scores - center) / np.maximum(spread, 1e-3)).max(axis=0)
+        center, high = np.nanquantile(null[told], (0.5, 0.8413), axis=1)[:, :, None]
+        z = np.fmax.reduce((scores - center) / np.maximum(high - center, 1e-3), axis=0)
+        z[np.isnan(z)] = -np.inf
         best = sorted(
             (
                 (float(z[window].max()), place, float(grid[window][z[window].argmax()]))

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 1011
+_VERSION = 1012
 _SOONER = 0.75
 """Share of the cycle after which the next snapshot may come: cycles are never exact."""
 

@@ -279,6 +279,24 @@ def test_a_machine_that_is_damaged_from_the_first_short_snapshot_on(share, heigh
     assert resumed.report().place == report.place
 
 
+@pytest.mark.parametrize(('height', 'level'), [(0.0, 'ok'), (1.5, 'suspect')])
+def test_a_race_that_rings_in_one_narrow_band_from_the_first_short_snapshot_on(height, level):
+    """At 1.7 kHz, 13 turns each eight hours: noise hides it in a band that is 4 kHz wide."""
+    bearing, rng, rate, hertz = find_bearing('6205'), np.random.default_rng(5), 12800.0, 26.0
+    gap = rate / (fault_orders(bearing).bpfo * hertz)
+    t = np.arange(200) / rate
+    ring = np.exp(-300.0 * t) * np.sin(2.0 * np.pi * 1.7e3 * t)
+    monitor = SeriesMonitor(bearing, DiagnosisSettings(baseline_windows=20))
+    for number in range(45):
+        at = np.cumsum(gap * (1.0 + 0.01 * rng.standard_normal(round(6400.0 / gap) - 1)))
+        hits = np.zeros(6400)
+        hits[at.astype(int)] = height
+        x = rng.standard_normal(6400) + np.convolve(hits, ring)[:6400]
+        point = monitor.add(8.0 * 3600.0 * number, x, rate, hertz)
+    assert point.level == level
+    assert monitor.report().place == ('outer' if height else '')
+
+
 def test_change_point_is_that_of_the_definition():
     rng = np.random.default_rng(5)
     levels = rng.standard_normal(500)
