@@ -56,7 +56,7 @@ STAGE_STEPS: tuple[str, ...] = (
 _STEPS: dict[str, str] = {
     'healthy': 'nothing; go on measuring at the same speed and load',
     'cage': 'plan to replace the bearing soon: a cage fails without much warning',
-    'suspect': 'record again soon, as long as possible, and watch the level',
+    'suspect': 'check bearing and speed, record again as long as possible, and watch the level',
     'ambiguous': 'record longer, or at a speed some per cent off, so that the orders part',
     'insufficient': 'mend what the reasons name, and record again',
 }

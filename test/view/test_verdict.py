@@ -143,7 +143,7 @@ def test_a_fault_has_the_colour_of_its_lines():
 
 def test_a_machine_in_zone_d_is_not_only_recorded_again():
     loud = verdict('suspect')
-    assert next_step(loud).startswith('Record again')
+    assert next_step(loud).startswith('Check bearing and speed')
     loud.velocity_rms = 56.0
     assert next_step(loud).startswith('Find the cause')
     named = verdict('outer', stage=2)

@@ -148,9 +148,9 @@ def _elsewhere(e: Evidence, what: str) -> Verdict:
     if abs(comb.order - 1.0) < 0.1:
         text = f'the shaft seems to turn at {comb.order * e.shaft_hz:.4g} Hz: check the speed'
     else:
-        text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: something '
-        text += 'strikes, maybe another part; check bearing and speed'
-        text += what_fits(comb.order, 2.0 * e.step, e.shaft_hz, e.bearing)
+        text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: check '
+        text += 'bearing and speed'
+        text += what_fits(comb.order, 2.0 * e.step, e.shaft_hz, e.bearing, e.elsewhere_sways)
     return say(e, str(comb), text)
 
 

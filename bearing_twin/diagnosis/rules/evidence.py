@@ -41,6 +41,7 @@ from bearing_twin.diagnosis.thresholds import (
     RIPPLE,
     RIVAL,
     SLIP_COST,
+    SWAY,
     Z_ELSEWHERE,
     Z_FAULT,
     Z_SECOND_LOOK,
@@ -479,6 +480,11 @@ class Evidence:
     def elsewhere(self) -> Candidate:
         """Best comb at any order off the multiples of the shaft, whatever makes it."""
         return self._combs.strongest_anywhere(beyond=not self.remaining)
+
+    @_measured(undisturbed=False)
+    def elsewhere_sways(self) -> bool:
+        """Whether that comb has sidebands of the shaft, as of a part that turns."""
+        return self._sidebands.shaft_sideband_ratio(self.elsewhere) >= SWAY
 
     @_measured(undisturbed={'elsewhere': 2.0})
     def impacts(self) -> Mapping[str, float]:

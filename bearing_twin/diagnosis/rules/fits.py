@@ -86,7 +86,9 @@ def fitting_speeds(order: float, shaft_hz: float, bearing: Bearing) -> list[str]
     ]
 
 
-def what_fits(order: float, step: float, shaft_hz: float, bearing: Bearing) -> str:
+def what_fits(
+    order: float, step: float, shaft_hz: float, bearing: Bearing, sways: bool = False
+) -> str:
     """
     Speeds and bearings that would explain impacts, to be added to a sentence.
 
@@ -96,6 +98,8 @@ def what_fits(order: float, step: float, shaft_hz: float, bearing: Bearing) -> s
         Of the impacts, as in :func:`striking_parts`.
     shaft_hz, bearing
         As in :func:`fitting_speeds`. Bearings of the size of the given one come first.
+    sways
+        Whether the impacts have sidebands of the shaft: inner races come first, else the others.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> what_fits(3.76, 0.001, 24.0, find_bearing('6205')).split(';')[1]
@@ -106,7 +110,10 @@ def what_fits(order: float, step: float, shaft_hz: float, bearing: Bearing) -> s
     text = f'; a speed of {" or ".join(speeds)} would fit' if speeds else ''
     parts = sorted(
         striking_parts(order, step),
-        key=lambda part: abs(math.log(part[0].d_pitch / bearing.d_pitch)),
+        key=lambda part: (
+            (part[1] == 'inner') != sways,
+            abs(math.log(part[0].d_pitch / bearing.d_pitch)),
+        ),
     )
     if not parts:
         return text
