@@ -9,6 +9,7 @@ import itertools
 import json
 import os
 from pathlib import Path
+import signal
 from tempfile import TemporaryDirectory
 
 from hypothesis import HealthCheck, settings
@@ -24,6 +25,10 @@ FOREIGN = (
     'ROS_STATIC_PEERS',
 )
 """What a user may have set that reaches beyond this machine, or ties ROS to parts of it."""
+
+# What a script runs in the background ignores Ctrl-C, and so would all that the tests start.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # How long an example takes says how busy the machine is.
 settings.register_profile('untimed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
