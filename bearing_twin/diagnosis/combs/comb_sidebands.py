@@ -57,10 +57,6 @@ class CombSidebands:
         """Order of the cage at which a comb has its highest sidebands, and their ratio."""
         return self._highest_sideband(candidate, *self._expected.cage_beside(candidate))
 
-    def _any_cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
-        """Highest sidebands at any speed that a cage may have: their gap and their ratio."""
-        return self._highest_sideband(candidate, *self._expected.cage())
-
     def _highest_sideband(
         self, candidate: Candidate, low: float, high: float
     ) -> tuple[float, float]:
@@ -157,7 +153,7 @@ class CombSidebands:
         """
         if candidate.place != 'ball':
             return 0.0
-        gap, near = self._any_cage_sideband(candidate)
+        gap, near = self._highest_sideband(candidate, *self._expected.cage())
         far = (
             sideband_ratio(self._spectra, candidate.order, candidate.band, k * gap) for k in (3, 5)
         )

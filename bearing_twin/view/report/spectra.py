@@ -32,7 +32,8 @@ def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
     The combs stand in rows below the frequency axis, named at its left: they never cover a line
     of the spectrum.
     """
-    near, combs = picture.zoom(), _ordered(picture)
+    # The comb that is found comes first.
+    near, combs = picture.zoom(), sorted(picture.combs, key=lambda comb: not comb.found)
     columns = [picture.deciding(), *([near] if near is not None else [])]
     rows = 0.16 * max(len(combs), 1)
     grid = figure.subplots(
@@ -86,11 +87,6 @@ def draw_spectrum(axes: Axes, picture: SpectrumPicture, band: tuple[float, float
             xycoords=('data', 'axes fraction'), textcoords='offset points', ha='center',
             fontsize='small',
         )  # fmt: skip
-
-
-def _ordered(picture: SpectrumPicture) -> list[Comb]:
-    """Return the combs, the one found first."""
-    return sorted(picture.combs, key=lambda comb: not comb.found)
 
 
 def _curve(axes: Axes, picture: SpectrumPicture) -> None:

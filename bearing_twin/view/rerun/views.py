@@ -35,11 +35,8 @@ def is_bearing(scene: Scene) -> bool:
 
 def paths_of(scene: Scene, kind: str) -> list[str]:
     """Return the entity paths of the topics of a kind."""
-    return [_join(scene.root, name) for name, known in scene.contents.items() if known == kind]
-
-
-def _join(root: str, name: str) -> str:
-    return f'{root}/{name}'.replace('//', '/')
+    names = (name for name, known in scene.contents.items() if known == kind)
+    return [f'{scene.root}/{name}'.replace('//', '/') for name in names]
 
 
 def _window(timeline: str, seconds: float) -> rrb.VisibleTimeRange:
