@@ -80,7 +80,7 @@ def test_the_level_is_what_combs_baseline_and_zone_ask_for(fresh, known, result,
     ('result', 'stage', 'step'),
     [
         ('healthy', 2, 'nothing'),
-        ('suspect', 1, 'record again'),
+        ('suspect', 1, 'check bearing and speed'),
         ('ambiguous', 0, 'record longer'),
         ('ambiguous', 2, 'order a bearing; measure daily; record longer'),
         ('ambiguous', 4, 'stop the machine'),
