@@ -295,15 +295,24 @@ def test_the_picture_of_the_docs_is_what_is_drawn_today(scheduled, tmp_path):
 
 
 def test_rerun_alone_shows_each_figure_of_a_verdict(recordings):
-    with HeadlessViewer([str(next(recordings[1].glob('*.mcap')))], size=LAPTOP) as viewer:
-        viewer.wait()
-        # The viewer adds views as it comes to their data.
-        figures = {'temperature', *(f'features/{name}' for name in FEATURES)}
-        deadline, paths = time.monotonic() + 60.0, set()
-        while not figures <= paths and time.monotonic() < deadline:
-            time.sleep(0.2)
-            paths = {str(view.origin).strip('/') for view in viewer.client.get_state().views}
-    assert figures <= paths
+    """
+    Opened without a layout of ours, Rerun adds a view for each of them.
+
+    It has once left one out for a minute, on a busy machine, and in no other opening: the views
+    follow the order in which it comes to the data.
+    """
+    figures, missing = {'temperature', *(f'features/{name}' for name in FEATURES)}, []
+    for _ in range(2):
+        with HeadlessViewer([str(next(recordings[1].glob('*.mcap')))], size=LAPTOP) as viewer:
+            viewer.wait()
+            deadline, paths = time.monotonic() + 60.0, set()
+            while not figures <= paths and time.monotonic() < deadline:
+                time.sleep(0.2)
+                paths = {str(view.origin).strip('/') for view in viewer.client.get_state().views}
+        missing.append(figures - paths)
+        if not missing[-1]:
+            return
+    pytest.fail(f'without a view: {missing}')
 
 
 def test_two_recordings_fill_every_view(shown):
