@@ -45,6 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print one bearing in full, or several a line each; refuse what matches none."""
     found = _matching(args.query or '')
+    parts: dict[str, str] = {}
     if args.order is not None:
         parts = _striking(args.order)
         if not (found := [bearing for bearing in found if bearing.name in parts]):
@@ -55,15 +56,14 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         for bearing in found:
             row = asdict(bearing) | {'orders': fault_orders(bearing)._asdict()}
-            strikes = {} if args.order is None else {'strikes': parts[bearing.name]}
-            print(json.dumps(row | strikes))
-    elif args.order is None and len(found) == 1:
+            print(json.dumps(row | ({'strikes': parts[bearing.name]} if parts else {})))
+    elif len(found) == 1 and not parts:
         print(_whole(found[0]))
     else:
         columns = f'{"name":<15}{"balls":>9} mm{"pitch mm":>10}  BPFO    BPFI    2xBSF   FTF   '
-        print(columns, 'basis' if args.order is None else 'strikes')
+        print(columns, 'strikes' if parts else 'basis')
         for bearing in found:
-            print(_line(bearing), bearing.basis if args.order is None else parts[bearing.name])
+            print(_line(bearing), parts[bearing.name] if parts else bearing.basis)
     return 0
 
 
