@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.diagnosis.combs.candidate import RACES
 from bearing_twin.diagnosis.rules.rule import rule
 from bearing_twin.diagnosis.rules.verdict import NO_ALARM, say, unless_loose
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
@@ -104,7 +105,7 @@ def ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
 @rule('suspect', 'With a large slip a race needs sidebands that fit: shaft ones if it turns.')
 def slipping_race(e: Evidence) -> Verdict | None:
     leading = e.leading
-    if leading.place not in ('inner', 'outer') or leading.slip <= SLIP_COST:
+    if leading.place not in RACES or leading.slip <= SLIP_COST:
         return None
     turns = leading.shaft_sideband_ratio >= SWAY
     if turns == (leading.place == 'inner'):
