@@ -41,7 +41,7 @@ _GROUPS = (
     (tuple(np.arange(1000.0, 22000.0, 1000.0)), 1000.0),
 )
 """Lower edges of bands and their width, Hz. The wide ones overlap: what rings across the edge of
-two is whole in the third, of which more is left below 25 kHz than of the highest. A resonance is
+two is whole in the third, and below a sample rate of 25 kHz the highest loses most. A resonance is
 some hundred Hz wide, so that most of a wide band is noise without impacts."""
 BANDS = tuple((low, low + width) for lows, width in _GROUPS for low in lows)
 """Bands that are demodulated, Hz; a wide one is cut at 0.45 of the sample rate."""

@@ -460,7 +460,8 @@ class SeriesMonitor:
             wanted = self._settings.baseline_windows
             why = f'{wanted} snapshots in a row wanted; {len(self._kept.points)} judged'
             if count >= wanted:
-                why = f'level or temperature moves, or {SUSPECT_DB:g} dB above the lowest'
+                why = 'level or temperature moves, or the level is '
+                why += f'{SUSPECT_DB:g} dB above the lowest'
             elif not math.isnan(hertz):
                 why = f'{wanted} snapshots at one speed wanted; most: {count} at {hertz:.4g} Hz'
             reasons.append(f'no baseline: {why}')
