@@ -21,7 +21,12 @@ NODES = ('adapter', 'calibration', 'diagnosis', 'fleet', 'recorder', 'replay', '
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments."""
-    parser.add_argument('node', choices=NODES, help='node to run; NODE --help: its parameters')
+    parser.add_argument(
+        'node',
+        metavar='NODE',
+        choices=NODES,
+        help=f'one of {", ".join(NODES)}; NODE --help: its parameters',
+    )
     parser.add_argument(
         'arguments',
         nargs=argparse.REMAINDER,
