@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from bearing_twin.diagnosis.combs.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.combs.passages import ball_passages
 from bearing_twin.diagnosis.combs.sidebands import comb_index
-from bearing_twin.diagnosis.signal.columns import Lapping, power_of_lines
 from bearing_twin.diagnosis.signal.demodulation import highest_order
+from bearing_twin.diagnosis.signal.periodogram import Lapping, power_of_lines
 from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, ShaftSpeed
 from bearing_twin.diagnosis.signal.spectra import (

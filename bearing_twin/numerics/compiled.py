@@ -33,8 +33,8 @@ FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 
 SHARED = (
     *('numerics/*.py', 'bearing/*.py', 'thermal/*.py', 'dynamics/**/*.py'),
-    'diagnosis/signal/columns.py',
     'diagnosis/signal/lines.py',
+    'diagnosis/signal/stockham.py',
 )
 """Files of the package from which compiled code of other files takes functions and numbers."""
 

@@ -21,7 +21,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis import DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.signal.columns import Lapping
+from bearing_twin.diagnosis.signal.periodogram import Lapping
 from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.signal.spectra import envelope_spectra, WHITENINGS
 from bearing_twin.memory import keep_freed_memory

@@ -11,10 +11,10 @@ from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_envelopes
-from bearing_twin.diagnosis.signal.columns import Lapping, power_of_lines, transform_rows
 from bearing_twin.diagnosis.signal.demodulation import choose_layout
 from bearing_twin.diagnosis.signal.gate import check_record
 from bearing_twin.diagnosis.signal.lines import NEUTRAL
+from bearing_twin.diagnosis.signal.periodogram import Lapping
 from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.diagnosis.signal.severity import iso_zone, Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, Turning
@@ -158,16 +158,6 @@ def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(
             assert lines[:, 0] == pytest.approx(1400.0 * exact[:, 0], rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    'count', [1, 2, 8, 243, 11 * 13, 640, 1225, 1250, 1254, 1620, 2 * 1009, 5120, 6400]
-)
-def test_columns_transformed_side_by_side_are_those_of_the_library(rng, count):
-    rows = rng.standard_normal((count, 32)).astype(np.float32)
-    exact = np.fft.fft(rows[:, :16].astype(float) + 1j * rows[:, 16:], axis=0)
-    found = transform_rows(rows)
-    assert np.abs(found[:, :16] + 1j * found[:, 16:] - exact).max() < 3e-7 * np.abs(exact).max()
-
-
 @pytest.mark.parametrize('kind', ['noise', 'lines', 'ties', 'decades', 'signs'])
 @pytest.mark.parametrize(('count', 'columns'), [(1, 16), (2, 17), (31, 52), (200, 40)])
 def test_ranks_of_columns_are_those_of_sorting(rng, kind, count, columns):
@@ -187,38 +177,6 @@ def test_ranks_of_columns_are_those_of_sorting(rng, kind, count, columns):
         for rank in {0, count // 2, int(0.84 * count), count - 1}:
             column_ranks(values, first, step, count, rank, away, found[None])
             assert (found == rows[rank]).all()
-
-
-@pytest.mark.parametrize(
-    ('points', 'bands', 'parts', 'lap'),
-    [
-        (1280, 20, 1, 0),
-        (1225, 3, 1, 0),
-        (1250, 20, 1, 0),
-        (2 * 1009, 5, 1, 0),
-        # Parts of a whole whose transform begins with passes of 16 and of 20, and with neither.
-        (1280, 20, 8, 64),
-        (1280, 20, 2, 32),
-        (1280, 20, 5, 16),
-        (1440, 20, 3, 16),
-        (1280, 20, 8, 12),
-        (1280, 20, 8, 160),
-    ],
-)
-def test_power_of_lines_is_that_under_a_hann_window(rng, points, bands, parts, lap):
-    hop = points // parts
-    cut = rng.exponential(size=(parts, hop + lap, bands)).astype(np.float32)
-    x = cut[:, lap:].reshape(points, bands).astype(float)
-    for number in range(1, parts):
-        x[number * hop - lap : number * hop] += cut[number, :lap]
-    before, power = cut.copy(), np.empty((points // 2 - 1, bands), np.float32)
-    for first in range(0, bands, 16):
-        power_of_lines(Lapping(list(cut[:, :, first : first + 16]), lap), power, first)
-    assert (cut == before).all()
-    relative = x / x.mean(axis=0, dtype=float) - 1.0
-    window = 1.0 - np.cos(2.0 * np.pi * np.arange(points) / points)
-    exact = np.abs(np.fft.rfft(window[:, None] * relative, axis=0) / points) ** 2
-    assert power == pytest.approx(exact[1 : points // 2], rel=1e-3, abs=1e-6 * exact.max())
 
 
 @pytest.mark.parametrize('points', [1280, 12_800])

@@ -9,7 +9,7 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.signal.columns import (
+from bearing_twin.diagnosis.signal.stockham import (
     aligned,
     radices,
     real_columns,

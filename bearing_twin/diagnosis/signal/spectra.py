@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import functools
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.signal.columns import Lapping, power_of_lines
+from bearing_twin.diagnosis.signal.periodogram import Lapping, power_of_lines
 from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L

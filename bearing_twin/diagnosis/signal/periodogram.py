@@ -1,0 +1,319 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Periodograms of squared envelopes, whole or in segments that lap over.
+
+The power of each line is that under a Hann window, relative to that of the mean.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from bearing_twin.diagnosis.signal.stockham import (
+    address,
+    aligned,
+    put,
+    radices,
+    ROW,
+    sixteen,
+    times,
+    transform_passes,
+    transform_rows,
+    turns,
+    twenty,
+)
+from bearing_twin.numerics.compiled import compiled, FAST
+from bearing_twin.numerics.vector import chosen, L, load, load_from, splat, store
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+
+_TINY = 1e-30
+_FIRST = 20, 16
+"""Factors of a first pass that takes its rows from segments."""
+
+
+class Lapping(NamedTuple):
+    """
+    A record in parts that fade into one another.
+
+    >>> parts = [np.ones((6, 2), np.float32), np.full((6, 2), 2.0, np.float32)]
+    >>> Lapping(parts, 2).joined()[:, 0].tolist()
+    [1.0, 1.0, 3.0, 3.0, 2.0, 2.0, 2.0, 2.0]
+
+    """
+
+    parts: Sequence[NDArray[np.float32]]
+    """Of one length, (hop + lap, ...)."""
+    lap: int = 0
+    """Points by which each laps over the one before; the first lap is left out."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the whole."""
+        points, *columns = self.parts[0].shape
+        return (len(self.parts) * (points - self.lap), *columns)
+
+    def joined(self) -> NDArray[np.float32]:
+        """Return the whole, in memory of its own."""
+        lap, whole = self.lap, aligned(*self.shape)
+        hop = len(whole) // len(self.parts)
+        np.concatenate([part[lap:] for part in self.parts], out=whole)
+        for number, part in enumerate(self.parts[1:], start=1):
+            end = whole[number * hop - lap : number * hop]
+            end += part[:lap]
+        return whole
+
+
+def _transform_lapping(x: Lapping, each: int) -> NDArray[np.float32]:
+    """
+    Transform parts whose rows are so many points, as `transform_rows` does the whole.
+
+    The first pass takes its rows from the parts: to join them takes as long as that pass.
+    """
+    points, count = len(x.parts[0]), x.shape[0] // each
+    number, lap = len(x.parts), x.lap // each
+    # Of the rows that go together as many are of each part.
+    fits = (r for r in _FIRST if r % number == 0 and count % r == 0 and lap <= count // r)
+    radix = next(fits, 0)
+    if not radix or points % each or x.lap % each:
+        return transform_rows(x.joined().reshape(-1, ROW))
+    parts = [np.ascontiguousarray(part) for part in x.parts]
+    places = np.array([address(part) for part in parts])
+    left = count // radix
+    factors, room = radices(left), aligned(2 * count + 40, ROW)
+    rows, other, few = room[:count], room[count:-40], room[-40:]
+    _transform_parts(places, lap, radix, turns(count), factors, few, rows, other)
+    return (rows, other)[len(factors) % 2]
+
+
+@compiled(fast=FAST, borrows=True)
+def _transform_parts(
+    places: NDArray[np.intp],
+    lap: int,
+    radix: int,
+    turns: NDArray[np.float32],
+    radices: NDArray[np.intp],
+    few: NDArray[np.float32],
+    rows: NDArray[np.float32],
+    other: NDArray[np.float32],
+) -> None:
+    """
+    Do all passes of a transform, the first one from parts of a record that lap over.
+
+    Parameters
+    ----------
+    places
+        (P,) addresses of the parts, (N / P + lap, 32) each.
+    lap
+        Rows.
+    radix
+        Of the first pass, 16 or 20: a multiple of P.
+    turns, radices
+        Those of N, and of N / radix.
+    few
+        (40, 32) to work in.
+    rows, other
+        (N, 32), see :func:`transform_passes`.
+
+    """
+    left, hop, each = len(rows) // radix, len(rows) // len(places), radix // len(places)
+    gathered, work = few[:20], few[20:]
+    for p in range(left):
+        for k in range(radix):
+            number = k // each
+            at = lap + p + left * (k - number * each)
+            real, imag = load_from(places[number], 2 * at), load_from(places[number], 2 * at + 1)
+            if at >= hop and number + 1 < len(places):
+                beside, behind = places[number + 1], 2 * (at - hop)
+                real = real + load_from(beside, behind)
+                imag = imag + load_from(beside, behind + 1)
+            put(gathered, 2 * k, real, imag)
+        if radix == 16:
+            sixteen(gathered, 0, 2, turns, p, left, 1, work, rows, 32 * p)
+        else:
+            twenty(gathered, 0, 2, turns, p, left, 1, work, rows, 40 * p)
+    transform_passes(rows, left, turns, radices, work, other)
+
+
+def power_of_lines(x: Lapping, power: NDArray[np.float32], first: int) -> None:
+    """
+    Write the power of the lines of some squared envelopes relative to that of their mean.
+
+    The lines are those under a Hann window, which takes half of both neighbours from each.
+
+    Parameters
+    ----------
+    x
+        Up to sixteen columns, shape (N, n).
+    power
+        (K, B), n columns of it written; row k is line k + 1.
+    first
+        First of these columns.
+
+    >>> x = 1.0 + np.cos(2.0 * np.pi * 3.0 / 64.0 * np.arange(64.0))[:, np.newaxis]
+    >>> power = np.empty((6, 1), np.float32)
+    >>> power_of_lines(Lapping([x.astype(np.float32)]), power, 0)
+    >>> power[:, 0].round(4).tolist()
+    [0.0, 0.0625, 0.25, 0.0625, 0.0, 0.0]
+
+    """
+    count, columns = x.shape
+    if columns == 4 and count % 8 == 0:
+        rows = _transform_lapping(x, 8)
+        quarters, lines = aligned(count // 8 + 1, ROW), aligned(len(power) + 2, 8)
+        _four_line_power(rows, turns(count // 4), turns(count), quarters, lines, power, first)
+    else:
+        whole = columns == L and count % 2 == 0
+        rows = _transform_lapping(x, 2) if whole else transform_rows(_pairs(x.joined()))
+        _line_power(rows, turns(count), power, first, np.empty(L, np.float32))
+
+
+def _pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Rows of up to sixteen columns; of an even number of samples, two are a complex number."""
+    count, columns = x.shape
+    rows = np.zeros((count // 2, 2, L) if count % 2 == 0 else (count, 1, 2 * L), np.float32)
+    rows[..., :columns] = x.reshape(len(rows), -1, columns)
+    return rows.reshape(-1, ROW)
+
+
+@compiled(inline=True, fast=FAST)
+def _line(rows: NDArray[np.float32], turns: NDArray[np.float32], k: int) -> tuple[Any, Any]:
+    """
+    Line of sixteen real columns, of which two samples were transformed as one complex number.
+
+    Parameters
+    ----------
+    rows
+        (N / 2, 32) transforms; or (N, 32) of the columns themselves, where N is odd.
+    turns
+        (N, 2).
+    k
+        Number of the line, up to N / 2.
+
+    """
+    count = len(rows)
+    if count == len(turns):
+        return load(rows, 2 * k), load(rows, 2 * k + 1)
+    a, b = 2 * (k if k < count else 0), 2 * (count - k if k else 0)
+    ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
+    # The transform of the even samples, and that of the odd ones, which are half a step behind.
+    er, ei, dr, di = 0.5 * (ar + br), 0.5 * (ai - bi), 0.5 * (ai + bi), 0.5 * (br - ar)
+    real, imag = times(dr, di, turns[k])
+    return er + real, ei + imag
+
+
+@compiled(fast=FAST, borrows=True)
+def _line_power(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    power: NDArray[np.float32],
+    first: int,
+    last: NDArray[np.float32],
+) -> None:
+    """
+    Write the power of the lines under a Hann window relative to that of the mean.
+
+    In the frequency domain the window takes half of both neighbours from each line.
+
+    Parameters
+    ----------
+    rows, turns
+        Transforms of sixteen squared envelopes, see `_pairs`.
+    power
+        (K, B), written up to sixteen columns; row k is line k + 1.
+    first
+        First of these columns.
+    last
+        (16,) to work in.
+
+    """
+    columns = power.shape[1] - first
+    mean, _ = _line(rows, turns, 0)
+    scale = 1.0 / chosen(mean > _TINY, mean, splat(np.float32(_TINY)))
+    # The mean itself leaks into the first line.
+    below_real = below_imag = splat(np.float32(0.0))
+    real, imag = _line(rows, turns, 1)
+    for k in range(len(power)):
+        above_real, above_imag = _line(rows, turns, k + 2)
+        at_real = (real - 0.5 * (below_real + above_real)) * scale
+        at_imag = (imag - 0.5 * (below_imag + above_imag)) * scale
+        at = at_real * at_real + at_imag * at_imag
+        if columns >= L:
+            store(power[k, first:], 0, at)
+        else:
+            store(last, 0, at)
+            for column in range(columns):
+                power[k, first + column] = last[column]
+        below_real, below_imag, real, imag = real, imag, above_real, above_imag
+
+
+@compiled(fast=FAST, borrows=True)
+def _four_line_power(
+    rows: NDArray[np.float32],
+    turns: NDArray[np.float32],
+    all_turns: NDArray[np.float32],
+    quarters: NDArray[np.float32],
+    lines: NDArray[np.float32],
+    power: NDArray[np.float32],
+    first: int,
+) -> None:
+    """
+    Write the same for four columns, each transformed as four columns of every fourth sample.
+
+    Parameters
+    ----------
+    rows, turns
+        Transforms of sixteen columns of a quarter of the length: the first samples of each four,
+        then the second ones, and so on; see :func:`_line_power`.
+    all_turns
+        (N, 2) of the whole length.
+    quarters
+        (N / 8 + 1, 32) to work in.
+    lines
+        (K + 2, 8) to work in.
+    power, first
+        (K, B), written from the first of four columns on; row k is line k + 1.
+
+    """
+    count, whole = len(turns), len(all_turns)
+    for k in range(len(quarters)):
+        real, imag = _line(rows, turns, k)
+        put(quarters[k], 0, real, imag)
+    at = first_turn = second_turn = third_turn = 0
+    for k in range(len(lines)):
+        mirrored = at >= len(quarters)
+        sign = np.float32(-1.0 if mirrored else 1.0)
+        row, line = quarters[count - at if mirrored else at], lines[k]
+        one, two, three = all_turns[first_turn], all_turns[second_turn], all_turns[third_turn]
+        for c in range(4):
+            ar, ai = row[c], sign * row[L + c]
+            br, bi = row[4 + c], sign * row[L + 4 + c]
+            cr, ci = row[8 + c], sign * row[L + 8 + c]
+            dr, di = row[12 + c], sign * row[L + 12 + c]
+            br, bi = times(br, bi, one)
+            cr, ci = times(cr, ci, two)
+            dr, di = times(dr, di, three)
+            line[c], line[4 + c] = ar + br + cr + dr, ai + bi + ci + di
+        # Remainders of k, 2 k and 3 k without a division.
+        at += 1 - count * (at + 1 == count)
+        first_turn += 1 - whole * (first_turn + 1 == whole)
+        second_turn += 2 - whole * (second_turn + 2 >= whole)
+        third_turn += 3 - whole * (third_turn + 3 >= whole)
+    means = quarters[0]
+    for c in range(4):
+        means[c] = np.float32(1.0) / max(lines[0, c], np.float32(_TINY))
+    # The mean itself leaks into the first line.
+    lines[0] = np.float32(0.0)
+    half = np.float32(0.5)
+    for k in range(len(power)):
+        for c in range(4):
+            real = (lines[k + 1, c] - half * (lines[k, c] + lines[k + 2, c])) * means[c]
+            imag = lines[k + 1, 4 + c] - half * (lines[k, 4 + c] + lines[k + 2, 4 + c])
+            imag *= means[c]
+            power[k, first + c] = real * real + imag * imag
