@@ -126,6 +126,8 @@ def test_envelope_spectrum_agrees_with_hilbert(rng):
     [
         *((n, 3, 9.0) for n in (1 << 15, 32_760, 3 * 5**4 * 32, 20_000, 44_800, 67_200)),
         *((n, 4, 4.5) for n in (1 << 15, 32_760)),
+        # Few wide bands, whose lags reach into seven tiles; tiles of 819 = 9 x 7 x 13 bins.
+        *((n, depth, 9.0) for n, depth in ((1 << 15, 2), (13_440, 2), (3360, 1), (104_832, 5))),
     ],
 )
 def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.stockham import (
     aligned,
+    is_quick,
     radices,
     real_columns,
     ROW,
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-_MOST_TILES = 4
+_MOST_TILES = 8
 
 
 @dataclass(frozen=True)
@@ -116,15 +117,20 @@ def squared_envelopes(
     ]
 
 
+def _tile(tree: BandTree) -> int:
+    """Bins of a tile: half of the narrowest band, or fewer, so that there are sixteen."""
+    return min(tree.levels[-1][0] // 2, tree.levels[0][0] // L)
+
+
 def _tiles_suit(tree: BandTree, lags: int) -> bool:
-    """Whether all bands are made of tiles half as wide as the narrowest, and lags reach few."""
-    (bins, _), tile = tree.levels[0], tree.levels[-1][0] // 2
-    depth = len(tree.levels) - 1
+    """Whether all bands are made of tiles, and lags reach few."""
+    bins, tile = tree.levels[0][0], _tile(tree)
     return (
-        bins % (L * tile) == 0
-        and bins == tile << (depth + 1)
-        and lags <= _MOST_TILES * tile
-        and fft.next_fast_len(2 * tile) == 2 * tile
+        tile > 0
+        and bins % (L * tile) == 0
+        and all(width % (2 * tile) == 0 for width, _ in tree.levels)
+        and lags - 1 <= _MOST_TILES * tile
+        and is_quick(2 * tile)
     )
 
 
@@ -174,12 +180,12 @@ def _tiling(tree: BandTree, reach: int) -> tuple[int, int, NDArray[np.float32]]:
     A tile has most parts, each as long as the lags reach; one where they reach further. Members
     are for tiles that are 0, 1, ... tiles apart as `_add_lags` asks, (A, groups, 16, 16 n).
     """
-    tile = tree.levels[-1][0] // 2
+    tile = _tile(tree)
     parts = max(
         (
             parts
             for parts in range(2, tile // reach + 1)
-            if tile % parts == 0 and fft.next_fast_len(2 * tile // parts) == 2 * tile // parts
+            if tile % parts == 0 and is_quick(2 * tile // parts)
         ),
         default=1,
     )

@@ -72,7 +72,7 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
     """
     count = len(rows)
     factors = radices(count)
-    if factors[-1] > _LARGEST and factors[-1] not in _TOGETHER:
+    if not is_quick(count):
         found = fft.fft(rows[:, :L] + np.complex64(1j) * rows[:, L:], axis=0)
         return np.concatenate((found.real, found.imag), axis=1)
     room = aligned(count + 20, ROW)
@@ -118,6 +118,18 @@ def radices(count: int) -> NDArray[np.intp]:
             found.append(radix)
             count //= radix
     return np.array(found)
+
+
+def is_quick(count: int) -> bool:
+    """
+    Whether the passes transform a length quickly: it has no prime factor above 13.
+
+    >>> is_quick(1638), is_quick(1700)
+    (True, False)
+
+    """
+    last = radices(count)[-1]
+    return bool(last <= _LARGEST or last in _TOGETHER)
 
 
 @compiled(inline=True, fast=FAST)
