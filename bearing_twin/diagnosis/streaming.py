@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 
 _VERSION = 10
 _MOST_PARTS = 64
+_ROUNDED = 5e-4
+"""Share by which the time between updates may be rounded."""
+_FEWEST_POINTS, _LARGEST_STEP = 256, 512
+"""Fewest points of an envelope in an interval, those of a shaft of 5 Hz, and most samples from one
+to the next."""
 PATIENCE = 3.0
 """Update intervals, or cycles of a series, without a verdict from which the last one is old."""
 _STEADY = 1e-4
@@ -77,6 +82,27 @@ def same_rate(first: float, other: float) -> bool:
     return abs(other - first) <= _STEADY * first
 
 
+def _divisible(wanted: int) -> int:
+    """
+    Number of samples near one that is wanted that has many divisors; that one if none is near.
+
+    Points of an envelope are a divisor of an interval apart. These are many where any number of
+    samples has a divisor at least half as large. In a prime number each sample is a point, which
+    takes fifty times as long.
+
+    >>> _divisible(25600), _divisible(25601), _divisible(48828)
+    (25600, 25600, 48828)
+
+    """
+    for away in range(int(_ROUNDED * wanted) + 1):
+        for count in (wanted - away, wanted + away):
+            most = min(count // _FEWEST_POINTS, _LARGEST_STEP)
+            divisors = [step for step in range(1, most + 1) if count % step == 0]
+            if all(b <= 2 * a + 1 for a, b in itertools.pairwise((*divisors, most))):
+                return count
+    return wanted
+
+
 class Cut(NamedTuple):
     """
     How a stream is cut: windows and the time between updates are whole numbers of stretches.
@@ -101,7 +127,7 @@ class Cut(NamedTuple):
     @classmethod
     @functools.lru_cache(maxsize=64)
     def _of(cls, update_interval: float, window: float, sample_rate: float) -> Cut:
-        interval = max(round(update_interval * sample_rate), 1)
+        interval = _divisible(max(round(update_interval * sample_rate), 1))
         wanted = window * sample_rate
         cuts = (
             cls(interval // parts, max(round(wanted * parts / interval), 1), parts)

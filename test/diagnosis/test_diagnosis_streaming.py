@@ -10,8 +10,9 @@ from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.machine.trend import Trend
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
+from bearing_twin.diagnosis.signal.demodulation import choose_layout, highest_order
 from bearing_twin.diagnosis.signal.severity import MEASURES
-from bearing_twin.diagnosis.streaming import _VERSION
+from bearing_twin.diagnosis.streaming import _VERSION, Cut
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, restored, unpack
 from hypothesis import given, settings
@@ -50,6 +51,16 @@ def test_same_pushes_same_bits_and_blocks_do_not_matter():
     )
     assert first == second == other
     assert len(first) == 5
+
+
+@pytest.mark.parametrize('window', [2.5, 8.0])
+@pytest.mark.parametrize('rate', [6667.0, 12_801.0, 25_601.2, 48_828.0, 97_657.0])
+def test_a_rate_of_few_divisors_has_as_few_envelope_points_as_others(rate, window):
+    cut = Cut.of(DiagnosisSettings(window=window), rate)
+    assert cut.interval == pytest.approx(rate, rel=5e-4)
+    assert cut.samples == pytest.approx(window * rate, rel=1e-3)
+    layout = choose_layout(rate, cut.stretch, cut.window, BEARING, SHAFT_HZ)
+    assert rate / layout.step < 2.0 * 2.2 * highest_order(BEARING) * SHAFT_HZ
 
 
 def test_a_state_goes_on_within_the_window_before_it():
