@@ -84,7 +84,7 @@ def same_rate(first: float, other: float) -> bool:
 
 def _divisible(wanted: int) -> int:
     """
-    Number of samples near one that is wanted that has many divisors; that one if none is near.
+    Return a number of samples with many divisors near a wanted one; that one if none is near.
 
     Points of an envelope are a divisor of an interval apart. These are many where any number of
     samples has a divisor at least half as large. In a prime number each sample is a point, which
