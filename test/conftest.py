@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import itertools
 import json
@@ -13,6 +14,7 @@ import signal
 from tempfile import TemporaryDirectory
 
 from hypothesis import HealthCheck, settings
+import psutil
 import pytest
 
 HERE = Path(__file__).resolve().parent
@@ -29,6 +31,17 @@ FOREIGN = (
 # What a script runs in the background ignores Ctrl-C, and so would all that the tests start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _end_all(*_: object) -> None:
+    """End what the tests have started, the nodes of a demo among them: it outlives them else."""
+    for process in psutil.Process().children(recursive=True):
+        with contextlib.suppress(psutil.NoSuchProcess):
+            process.terminate()
+    raise KeyboardInterrupt
+
+
+signal.signal(signal.SIGTERM, _end_all)
 
 # How long an example takes says how busy the machine is.
 settings.register_profile('untimed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
