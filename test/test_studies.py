@@ -13,7 +13,6 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import (
     calibration,
     detection_power,
-    envelopes,
     generalisation,
     impact_machines,
     low_ringing,
@@ -152,14 +151,6 @@ def test_generalisation_prints_tables(capsys):
     assert '| condition | cases | right | wrong | suspect | ambiguous |' in out
     counts = [int(line.split('|')[2]) for line in out.splitlines() if line.startswith('| none |')]
     assert sum(counts) <= 4
-
-
-def test_each_variant_of_the_envelope_judges(monkeypatch, capsys):
-    ball = envelopes.numbers(1, 3_400_000)
-    monkeypatch.setattr(envelopes, 'numbers', lambda *_: ball)
-    envelopes.main([])
-    rows = capsys.readouterr().out.splitlines()[2:]
-    assert [row.split('|')[1].strip() for row in rows] == list(envelopes.VARIANTS)
 
 
 def test_calibration_goes_on_where_it_was_and_prints_its_tables(tmp_path, monkeypatch, capsys):

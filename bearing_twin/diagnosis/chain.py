@@ -35,14 +35,13 @@ from bearing_twin.diagnosis.signal.severity import (
     SLOW_HZ,
 )
 from bearing_twin.diagnosis.signal.shaft import ShaftSpeed, Turning
-from bearing_twin.diagnosis.signal.spectra import envelope_spectra
 from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.combs.candidate import Candidate
@@ -51,7 +50,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
     from bearing_twin.diagnosis.signal.severity import Severity
-    from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from bearing_twin.diagnosis.window import Window
     from numpy.typing import NDArray
 
@@ -136,8 +134,6 @@ class Excerpt:
     """Samples after the stretches, which are not analysed."""
     pieces: int = 1
     """Windows into which it is cut, equally long; their spectra are averaged."""
-    spectra_of: Callable[..., EnvelopeSpectra] = envelope_spectra
-    """Makes the spectra of squared envelopes; see :func:`analyse_window`."""
 
     @classmethod
     def of(
@@ -294,9 +290,8 @@ class Excerpt:
         ]
         turning = self.turning if self.pieces == 1 else _together(self.stretches[first:][:count])
         return analyse_window(
-            segments, layout, self.bearing, turning, self.settings, unit=self.unit,
-            spectra_of=self.spectra_of,
-        )  # fmt: skip
+            segments, layout, self.bearing, turning, self.settings, unit=self.unit
+        )
 
 
 def _together(stretches: Sequence[Stretch]) -> Turning:

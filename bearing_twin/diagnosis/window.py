@@ -25,7 +25,7 @@ from bearing_twin.numerics.vector import L
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -103,7 +103,6 @@ def analyse_window(
     settings: DiagnosisSettings,
     *,
     unit: str = '',
-    spectra_of: Callable[..., EnvelopeSpectra] = envelope_spectra,
 ) -> Window:
     """
     Everything that is computed before windows are averaged and judged.
@@ -122,9 +121,6 @@ def analyse_window(
         See :class:`DiagnosisSettings`.
     unit
         Unit of the samples.
-    spectra_of
-        Makes the spectra of squared envelopes; another one than :func:`envelope_spectra` for a
-        study.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
@@ -150,7 +146,7 @@ def analyse_window(
         envelopes = (Lapping([resample(part.joined(), at)]) for part in envelopes)
     rate = layout.sample_rate / layout.step
     bin_hz = rate / len(slow)
-    spectra = spectra_of(
+    spectra = envelope_spectra(
         envelopes,
         rate,
         bands=len(bands),
