@@ -139,7 +139,7 @@ class Excerpt:
     def of(
         cls,
         samples: NDArray[np.float64],
-        turning: Turning,
+        turning: Turning | float,
         sample_rate: float,
         bearing: Bearing,
         settings: DiagnosisSettings,
@@ -156,7 +156,7 @@ class Excerpt:
         samples
             Shape (n,).
         turning
-            Speed during each part of them.
+            Speed during each part of them, or one steady speed, Hz.
         sample_rate, bearing, settings
             See the fields.
         longest
@@ -168,14 +168,15 @@ class Excerpt:
 
         >>> from bearing_twin.bearing import find_bearing
         >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-        >>> turning = Turning(np.array([25.0]), np.array([51200]))
         >>> x = np.random.default_rng(0).standard_normal(51200)
         >>> known = 25600.0, find_bearing('6307'), DiagnosisSettings()
-        >>> Excerpt.of(x, turning, *known).analyse().alone.result
+        >>> Excerpt.of(x, 25.0, *known).analyse().alone.result
         'healthy'
 
         """
         count, pieces, stretches = len(samples), 1, 1
+        if not isinstance(turning, Turning):
+            turning = Turning(np.array([turning]), np.array([count]))
         if count and math.isfinite(sample_rate) and sample_rate > 0.0:
             turns = count / sample_rate * turning.mean_hz
             # A shaft that stands, or turns in less than two samples, has no turns to count.

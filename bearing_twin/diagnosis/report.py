@@ -42,17 +42,13 @@ def report(
     The smallest fault that would have shown is named where the samples are ``simulated``.
 
     >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.chain import Excerpt
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> from bearing_twin.diagnosis.rules.table import decide
-    >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-    >>> from bearing_twin.diagnosis.signal.shaft import Turning
-    >>> from bearing_twin.diagnosis.window import analyse_window
     >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
-    >>> layout = choose_layout(25600.0, 51200, 1, bearing, 25.0)
-    >>> turning = Turning(np.array([25.0]), np.array([51200]))
-    >>> segments = [demodulate(noise, layout)]
-    >>> window = analyse_window(segments, layout, bearing, turning, DiagnosisSettings())
+    >>> excerpt = Excerpt.of(noise, 25.0, 25600.0, bearing, DiagnosisSettings())
+    >>> window = excerpt.analyse().window
     >>> taken = {'first_sample': 0, 'sample_count': 51200, 'shaft_hz_given': 25.0}
     >>> verdict = report(decide(Evidence.of()), window, bearing, sample_rate=25600.0, **taken)
     >>> verdict.result, verdict.fault_code

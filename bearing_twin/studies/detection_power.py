@@ -16,7 +16,6 @@ from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.single.simulator import Simulator
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.output import arguments, print_table, write_table
 import numpy as np
 
@@ -108,7 +107,6 @@ def simulate_table() -> dict[str, Any]:
 def main(argv: Sequence[str] | None = None) -> None:
     """Write the data file and print the table."""
     args = arguments(sys.modules[__name__], writes=True).parse_args(argv)
-    keep_freed_memory()
     table = simulate_table()
     write_table(args.output, table)
     print_table(

@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis import diagnose_record
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
 from bearing_twin.studies.disturbances import CONDITIONS
 from bearing_twin.studies.output import arguments, print_table
@@ -71,7 +70,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument('model', choices=MODELS, nargs='?', default='twin')
     parser.add_argument('first', type=int, nargs='?', default=0)
     args = parser.parse_args(argv)
-    keep_freed_memory()
     found = study(range(args.first, args.first + args.cases), args.model)
     answers = ('right', 'wrong', 'suspect', 'ambiguous', 'insufficient', 'healthy')
     machines = sorted({case.machine for case, _ in found})

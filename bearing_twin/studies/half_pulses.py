@@ -25,9 +25,7 @@ from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import decide
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 from scipy import signal
@@ -78,8 +76,7 @@ def measured(kind: str, number: int) -> tuple[float, bool] | None:
     x = signal.fftconvolve(impacts, np.exp(-0.04 * angle) * np.sin(angle))[: len(impacts)]
     x = x * (rng.uniform(0.2, 1.5) / x.std()) + rng.standard_normal(len(x))
     given_hz = shaft_hz * float(rng.uniform(0.998, 1.002))
-    turning = Turning(np.array([given_hz]), np.array([len(x)]))
-    found = Excerpt.of(x, turning, rate, bearing, DiagnosisSettings()).analyse().window
+    found = Excerpt.of(x, given_hz, rate, bearing, DiagnosisSettings()).analyse().window
     if found is None:
         return None
     combs = CombSearch(found.orders, bearing, found.speed)
@@ -96,7 +93,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
     parser = arguments(sys.modules[__name__], records=200, first=0)
     args = parser.parse_args(argv)
-    keep_freed_memory()
     numbers = range(args.first, args.first + args.records)
     rows = []
     for kind in KINDS:

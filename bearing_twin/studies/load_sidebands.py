@@ -28,7 +28,6 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import SWAY
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
@@ -88,8 +87,7 @@ def measured(spread: float, seed: int) -> float:
     at = (places / SHAFT_HZ * RATE).astype(int)
     strength = rng.uniform(2.5, 8.0)
     x[at] += strength * (1.0 + m * np.cos(2.0 * np.pi * places + phase))
-    turning = Turning(np.array([SHAFT_HZ]), np.array([len(x)]))
-    window = Excerpt.of(x, turning, RATE, bearing, DiagnosisSettings()).analyse().window
+    window = Excerpt.of(x, SHAFT_HZ, RATE, bearing, DiagnosisSettings()).analyse().window
     assert window is not None
     combs = CombSearch(window.orders, bearing, window.speed)
     return combs.sidebands.shaft_sideband_ratio(combs.best('inner'))

@@ -20,9 +20,7 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.combs.plain_lines import low_lines
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import LOW_LINES
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.disturbances import disturbance, MACHINES
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
@@ -86,8 +84,7 @@ def record(number: int, *, damaged: bool) -> tuple[NDArray[np.float64], float, B
 def share(number: int, *, damaged: bool) -> float | None:
     """Share of a record's power that is in the low lines; None where another rule answers."""
     x, rate, bearing, shaft_hz = record(number, damaged=damaged)
-    turning = Turning(np.array([shaft_hz]), np.array([len(x)]))
-    analysis = Excerpt.of(x, turning, rate, bearing, DiagnosisSettings()).analyse()
+    analysis = Excerpt.of(x, shaft_hz, rate, bearing, DiagnosisSettings()).analyse()
     window = analysis.window
     if window is None or analysis.alone.rule not in ('low_lines', 'no_comb'):
         return None
@@ -100,7 +97,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
     parser = arguments(sys.modules[__name__], records=300, first=0)
     args = parser.parse_args(argv)
-    keep_freed_memory()
     numbers = range(args.first, args.first + args.records)
     rows = []
     for damaged in (False, True):

@@ -24,7 +24,6 @@ from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
-from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_SUSPECT,
@@ -34,7 +33,6 @@ from bearing_twin.diagnosis.thresholds import (
     Z_PASSAGES,
     Z_SECOND_LOOK,
 )
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 from scipy import fft
@@ -125,9 +123,8 @@ def _lines(
 
 def _judge(window: NoiseWindow) -> tuple[Diagnosis, Reached] | None:
     """Diagnosis of a window and what it reaches; None where the record gate refuses it."""
-    turning = Turning(np.array([window.given_hz]), np.array([len(window.x)]))
     excerpt = Excerpt.of(
-        window.x, turning, window.sample_rate, window.bearing, DiagnosisSettings()
+        window.x, window.given_hz, window.sample_rate, window.bearing, DiagnosisSettings()
     )
     found = excerpt.analyse().window
     if found is None:
@@ -180,7 +177,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Print the verdicts by length and what passes the thresholds."""
     parser = arguments(sys.modules[__name__], windows=3024, first=0)
     args = parser.parse_args(argv)
-    keep_freed_memory()
     answers: dict[float, Counter[str]] = {seconds: Counter() for seconds in SECONDS}
     reached = []
     for number in range(args.first, args.first + args.windows):

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.memory import keep_freed_memory
 from bearing_twin.wholefile import output_file
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ def arguments(
     module: ModuleType, *, writes: bool = False, **counts: int
 ) -> argparse.ArgumentParser:
     """
-    Return a parser that says what a study does.
+    Return a parser that says what a study does, which begins: freed memory is kept from here on.
 
     Parameters
     ----------
@@ -34,6 +35,7 @@ def arguments(
         Numbers that may be given after that, in this order, with their defaults.
 
     """
+    keep_freed_memory()
     parser = argparse.ArgumentParser(
         prog=f'python -m {module.__spec__.name if module.__spec__ else module.__name__}',
         description=inspect.cleandoc(module.__doc__ or ''),

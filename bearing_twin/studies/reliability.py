@@ -31,7 +31,6 @@ from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 from bearing_twin.diagnosis.rules.confidence import KINDS, share_right, shipped_weights, Trust
 from bearing_twin.diagnosis.rules.table import RULES
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies import impact_machines, twin_machines
 from bearing_twin.studies.generalisation import judge_case
 from bearing_twin.studies.output import arguments, print_table, read_lines, write_table
@@ -346,7 +345,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument('--picture', type=Path, help='PNG file to write: the reliability diagram')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
-    keep_freed_memory()
     if args.shipped:
         weights = shipped_weights()
     else:

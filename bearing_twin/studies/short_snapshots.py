@@ -15,7 +15,6 @@ import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, Comb, LEAST
-from bearing_twin.memory import keep_freed_memory
 from bearing_twin.studies.disturbances import CONDITIONS
 from bearing_twin.studies.impact_machines import draw, record
 from bearing_twin.studies.output import arguments, print_table
@@ -49,7 +48,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
     parser = arguments(sys.modules[__name__], records=400, first=0)
     args = parser.parse_args(argv)
-    keep_freed_memory()
     found = [averaged(number) for number in range(args.first, args.first + args.records)]
     rows = []
     for condition in CONDITIONS:

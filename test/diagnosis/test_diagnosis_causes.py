@@ -9,7 +9,6 @@ from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, record
 from bearing_twin.diagnosis.chain import Analysis, Excerpt
 from bearing_twin.diagnosis.rules.confidence import confidence, Trust
 from bearing_twin.diagnosis.signal.impulsive_outliers import limit_impulsive_outliers
-from bearing_twin.diagnosis.signal.shaft import Turning
 import numpy as np
 import pytest
 from scipy import signal
@@ -308,7 +307,7 @@ def test_impacts_in_bursts_of_seconds_are_an_alarm(rng):
     passed = (t * fault_orders(bearing).bpfo * SHAFT_HZ) % 1.0
     burst = 3.0 * (0.6 + 0.9 * np.exp(-passed / 0.15))
     x = rng.standard_normal(2 * N) * np.where((t >= 3.0) & (t < 5.0), burst, 1.0)
-    known = Turning(np.array([SHAFT_HZ]), np.array([2 * N])), RATE, bearing, DiagnosisSettings()
+    known = SHAFT_HZ, RATE, bearing, DiagnosisSettings()
     assert Excerpt.of(x, *known).analyse().alone.rule == 'weak_modulation'
     said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
     assert (said.level, said.faults) == ('fault', ('outer',))

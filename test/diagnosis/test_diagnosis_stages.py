@@ -379,7 +379,7 @@ def test_a_speed_that_no_sample_shows_is_no_reason_to_divide_a_record(speed):
 @pytest.mark.parametrize('rate', [5e-324, 1e-307, 1e-9, 1.0])
 def test_a_low_rate_divides_no_record_into_more_pieces_than_can_be_measured(rate):
     known = find_bearing('6307'), DiagnosisSettings()
-    excerpt = Excerpt.of(np.ones(640), Turning(np.zeros(1), np.array([640])), rate, *known)
+    excerpt = Excerpt.of(np.ones(640), 0.0, rate, *known)
     assert 1 <= len(excerpt.stretches) <= 10
     for shaft_hz in (0.0, -1.0, 25.0):
         found = diagnose_record(np.sin(np.arange(640.0)), rate, known[0], shaft_hz)

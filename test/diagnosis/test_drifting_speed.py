@@ -8,7 +8,6 @@ from bearing_twin.bearing import fault_orders, find_bearing, PLACES
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.record import _smeared
-from bearing_twin.diagnosis.signal.shaft import Turning
 import numpy as np
 import pytest
 
@@ -115,8 +114,7 @@ def test_only_records_whose_lines_may_have_smeared_are_looked_at_in_parts():
 
     def asked(place, drift, seed):
         x, rate = _drifting(place, drift, seed)
-        turning = Turning(np.array([24.6]), np.array([len(x)]))
-        return _smeared(Excerpt.of(x, turning, rate, bearing, DiagnosisSettings()).analyse())
+        return _smeared(Excerpt.of(x, 24.6, rate, bearing, DiagnosisSettings()).analyse())
 
     assert not any(asked('', 0.0, seed) for seed in range(4))
     assert all(asked(place, 0.05, seed) for place in ('inner', 'outer') for seed in range(2))

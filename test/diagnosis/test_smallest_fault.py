@@ -6,7 +6,6 @@ from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.power import smallest_detectable
-from bearing_twin.diagnosis.signal.shaft import Turning
 import numpy as np
 import pytest
 
@@ -21,9 +20,8 @@ def rng():
 
 def _of_twin(x, shaft_hz):
     """Diagnosis of samples that a twin makes."""
-    turning = Turning(np.array([shaft_hz]), np.array([len(x)]))
     known = RATE, find_bearing('6307'), DiagnosisSettings()
-    excerpt = Excerpt.of(x, turning, *known, unit='m/s^2', sensor='acc y simulated')
+    excerpt = Excerpt.of(x, shaft_hz, *known, unit='m/s^2', sensor='acc y simulated')
     return excerpt.analyse().alone
 
 

@@ -32,10 +32,8 @@ def answer_alone(analysis: Analysis) -> Diagnosis:
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.chain import Excerpt
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-    >>> from bearing_twin.diagnosis.signal.shaft import Turning
     >>> x = np.random.default_rng(0).standard_normal(2560)
-    >>> turning = Turning(np.array([25.0]), np.array([2560]))
-    >>> snapshot = Excerpt.of(x, turning, 25600.0, find_bearing('6205'), DiagnosisSettings())
+    >>> snapshot = Excerpt.of(x, 25.0, 25600.0, find_bearing('6205'), DiagnosisSettings())
     >>> answer_alone(snapshot.analyse()).result
     'insufficient'
 

@@ -35,7 +35,6 @@ from bearing_twin.diagnosis.signal.severity import (
     of_length,
     watched,
 )
-from bearing_twin.diagnosis.signal.shaft import Turning
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import restored
 from bearing_twin.stamps import time_unit
@@ -260,9 +259,8 @@ class SeriesMonitor:
     ) -> None:
         """Take in what a snapshot says without the others."""
         if answer is None and self._bearing is not None:
-            turning = Turning(np.array([shaft_hz]), np.array([len(x)]))
             excerpt = Excerpt.of(
-                x, turning, sample_rate, self._bearing, self._settings,
+                x, shaft_hz, sample_rate, self._bearing, self._settings,
                 temperature=temperature, unit=unit,
             )  # fmt: skip
             answer = answer_alone(excerpt.analyse())
