@@ -10,6 +10,7 @@ signal can consist of is read: real numbers, texts, and structs of them.
 
 from __future__ import annotations
 
+from itertools import islice
 import math
 import struct
 from typing import Any, TYPE_CHECKING
@@ -126,7 +127,7 @@ def _matrix(data: memoryview, order: str, name: str, depth: int) -> Iterator[tup
         msg = f'it nests more than {DEEPEST} levels of structs'
         raise BearingTwinError(msg)
     elements = _elements(data, order, padded=True)
-    head = [part for _, part in _take(elements, 3)]
+    head = [part for _, part in islice(elements, 3)]
     if len(head) < 3 or len(head[0]) < 4:
         return
     kind = struct.unpack_from(f'{order}I', head[0])[0] & 0xFF
@@ -150,7 +151,7 @@ def _struct(
     elements: Iterator[tuple[int, memoryview]], order: str, depth: int
 ) -> Iterator[tuple[str, Any]]:
     """Yield the fields of a struct; of an array of structs, those of the first."""
-    layout = [part for _, part in _take(elements, 2)]
+    layout = [part for _, part in islice(elements, 2)]
     if len(layout) < 2 or len(layout[0]) < 4:
         return
     (length,) = struct.unpack_from(f'{order}i', layout[0])
@@ -163,16 +164,6 @@ def _struct(
         kind, part = next(elements, (0, memoryview(b'')))
         if kind == MATRIX:
             yield from _matrix(part, order, name, depth + 1)
-
-
-def _take(
-    elements: Iterator[tuple[int, memoryview]], count: int
-) -> Iterator[tuple[int, memoryview]]:
-    for _ in range(count):
-        element = next(elements, None)
-        if element is None:
-            return
-        yield element
 
 
 def _text(stored: int, part: memoryview, order: str) -> str:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, BinaryIO, TYPE_CHECKING
+from typing import Any, IO, TYPE_CHECKING
 import zipfile
 
 from bearing_twin.errors import BearingTwinError
@@ -58,46 +58,21 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     return arrays
 
 
-def _read_array(file: Any, size: int, room: int, what: str) -> Any:
+def _read_array(file: IO[bytes], size: int, room: int, what: str) -> Any:
     """Read one member, after a look at what its header would have numpy allocate."""
-    head = _Rewindable(file)
-    version = np.lib.format.read_magic(head)
-    if version == (1, 0):
-        shape, _, dtype = np.lib.format.read_array_header_1_0(head)
+    if np.lib.format.read_magic(file) == (1, 0):
+        shape, by_column, dtype = np.lib.format.read_array_header_1_0(file)
     else:
-        shape, _, dtype = np.lib.format.read_array_header_2_0(head)
+        shape, by_column, dtype = np.lib.format.read_array_header_2_0(file)
     if dtype.hasobject:
         msg = f'{what} holds Python objects, which are never loaded from a file'
         raise BearingTwinError(msg)
     needed = math.prod(shape) * dtype.itemsize
-    if needed > min(size, room):
+    if not 0 <= needed <= min(size, room):
         msg = (
             f'{what} would need {needed} bytes; the member has {size}, and of the '
             f'{MOST_UNPACKED} bytes that are read of a file {room} are left'
         )
         raise BearingTwinError(msg)
-    return np.lib.format.read_array(head.rewound(), allow_pickle=False)
-
-
-class _Rewindable:
-    """Give a stream's first bytes out a second time: members of archives cannot seek cheaply."""
-
-    def __init__(self, file: BinaryIO) -> None:
-        self._file = file
-        self._head = b''
-        self._again = b''
-        self._recording = True
-
-    def read(self, size: int = -1) -> bytes:
-        data = self._again[:size] if size >= 0 else self._again
-        self._again = self._again[len(data) :]
-        if len(data) < size or size < 0:
-            data += self._file.read(size - len(data) if size >= 0 else -1)
-        if self._recording:
-            self._head += data
-        return data
-
-    def rewound(self) -> Any:
-        self._recording = False
-        self._again = self._head
-        return self
+    content = bytearray(file.read(needed))
+    return np.ndarray(shape, dtype, content, order='F' if by_column else 'C')
