@@ -345,7 +345,7 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun import outlet
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.viewer import listening, LOOPBACK
-from std_msgs.msg import String
+import rerun as rr
 
 outlet.WAITING = 10
 messages = [
@@ -374,10 +374,11 @@ def watch():
         held_up = max(held_up, time.perf_counter() - before)
 threading.Thread(target=watch, daemon=True).start()
 # The buffers of Rerun alone take six minutes of samples, and it lets a viewer go that has not read
-# for 20 s: long texts fill them before that.
-text = String(data=os.urandom(2_000_000).hex())
-for time_ns in range(200):
-    logger.log('/text', 'std_msgs/msg/String', text, time_ns)
+# for 20 s: long texts fill them before that. They are for viewers only: the file would be 0.8 GB.
+text = rr.TextLog(os.urandom(2_000_000).hex())
+logger._served.put(lambda recording: recording.log('/text', text))
+while logger.drain(2.0):
+    logger._served.put(lambda recording: recording.log('/text', text))
 longest, calls = 0.0, len(messages)
 while logger.dropped < 100 and calls < 40_000:
     for message in messages:
