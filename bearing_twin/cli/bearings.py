@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import catalogue, fault_orders, find_bearing
-from bearing_twin.cli.terminal import wrapped
+from bearing_twin.cli.terminal import lined_up
 from bearing_twin.diagnosis.rules.fits import striking_parts
 from bearing_twin.errors import BearingTwinError
 
@@ -25,7 +25,6 @@ ORDER_WIDTH = 0.01
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument(
         'query',
         nargs='?',
@@ -121,4 +120,4 @@ def _whole(bearing: Bearing) -> str:
         'geometry': bearing.basis,
         'source': bearing.source,
     }
-    return '\n'.join(line for name, text in rows.items() for line in wrapped(f'{name:<20}', text))
+    return '\n'.join(lined_up(rows.items()))

@@ -35,7 +35,6 @@ LONGEST = 86400.0
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument(
         'names',
         nargs='*',

@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     add_reading(parser)
     parser.add_argument(
         '--load',

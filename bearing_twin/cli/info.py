@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument('recording', type=Path, help='MCAP file, bag folder or folder of a demo')
     parser.add_argument(
         '--no-health', action='store_true', help='read the summary only, not every message'

@@ -38,7 +38,6 @@ LONGEST_SLEEP = 0.5
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument('file', type=Path, help='a file as diagnose reads')
     parser.add_argument(
         '--channel', metavar='NAME', help='name, number or topic, or any part that only one has'

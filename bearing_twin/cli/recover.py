@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument('recording', type=Path, help='MCAP file or bag folder; it is not changed')
     parser.add_argument(
         '-o',

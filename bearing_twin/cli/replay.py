@@ -28,7 +28,6 @@ OFFLINE = ('output', 'temperature', 'twin', 'diagnosis', 'json')
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument('recording', type=Path, help='MCAP file or bag folder')
     live = parser.add_argument_group('live (the default): publish its topics')
     live.add_argument('-r', '--rate', type=float, default=1.0, help='pace (default 1)')

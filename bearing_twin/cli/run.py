@@ -20,7 +20,6 @@ NODES = ('adapter', 'calibration', 'diagnosis', 'fleet', 'recorder', 'replay', '
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument(
         'node',
         metavar='NODE',

@@ -27,7 +27,6 @@ UNITS = ('m/s^2', 'g')
 
 
 def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument(
         '--bearing', metavar='NAME', help="bearing of the catalogue, e.g. 6205 (see 'bearings')"
@@ -107,13 +106,8 @@ def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path)
     """
     Return the recordings or pictures that paths stand for.
 
-    A vibration file becomes a recording in ``folder``, with the verdicts of the diagnosis.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is none, if it cannot be read, or if such options are given without such a file.
-
+    A vibration file becomes a recording in ``folder``, with the verdicts of the diagnosis. Options
+    that describe such files are refused where there is none.
     """
     if not any(map(_is_signal, paths)):
         kinds = f'{", ".join(SIGNAL_FILES)} and Parquet sets'

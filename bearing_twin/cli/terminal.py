@@ -60,24 +60,7 @@ def tell_of_compiling(command: str) -> None:
 
 
 def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> None:
-    """
-    Refuse options that would do nothing.
-
-    Parameters
-    ----------
-    args
-        What was given.
-    options
-        Their names.
-    why
-        End of the sentence after their names.
-
-    Raises
-    ------
-    BearingTwinError
-        If one of them is given.
-
-    """
+    """Refuse options that would do nothing; ``why`` ends the sentence after their names."""
     default = args.parser.get_default
     given = [name for name in options if getattr(args, name) != default(name)]
     if given:
@@ -87,37 +70,14 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
 
 
 def refuse_topic(name: str) -> None:
-    """
-    Refuse a --topic that ROS does not take.
-
-    Raises
-    ------
-    BearingTwinError
-        If it is none.
-
-    """
+    """Refuse a --topic that ROS does not take."""
     if not TOPIC.fullmatch(name):
         msg = f'--topic {name!r}: letters, digits, _, parts split by /, e.g. /temperature'
         raise BearingTwinError(msg)
 
 
 def processes(asked: int | None, tasks: int) -> int:
-    """
-    Return how many processes do so many tasks.
-
-    Parameters
-    ----------
-    asked
-        What was asked for; None: one a core.
-    tasks
-        How many there are.
-
-    Raises
-    ------
-    BearingTwinError
-        If fewer than one is asked for.
-
-    """
+    """Return how many processes do so many tasks: as asked for, else one a core."""
     if asked is not None and asked < 1:
         msg = f'--jobs {asked}: at least one process is needed'
         raise BearingTwinError(msg)
@@ -145,6 +105,13 @@ def wrapped(name: str, text: str) -> list[str]:
         break_long_words=False,
         break_on_hyphens=False,
     ) or [name]
+
+
+def lined_up(rows: Iterable[tuple[str, str]]) -> list[str]:
+    """Return the lines of several rows, whose texts begin below each other."""
+    rows = list(rows)
+    width = max(len(name) for name, _ in rows)
+    return [line for name, text in rows for line in wrapped(f'{name:<{width}}', text)]
 
 
 def by_level(text: str, level: str) -> str:

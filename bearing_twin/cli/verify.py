@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument('recording', type=Path, help='recording of twin and diagnosis')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
 

@@ -30,7 +30,6 @@ LARGEST = 4096
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument(
         'recordings',
         nargs='*',

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument('fit', metavar='FIT', help="what 'fit --json' wrote; '-' for stdin")
     parser.add_argument('--speed', type=float, metavar='HZ', help='shaft speed, Hz')
     parser.add_argument('--load', type=load_range, metavar='N', help='one load or LOW,HIGH, N')

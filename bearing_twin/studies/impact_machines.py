@@ -123,6 +123,12 @@ class Case:
         return _geometry(self.given_rig)
 
 
+def is_another(bearing: Bearing, own: Bearing) -> bool:
+    """Whether a fault order of a bearing differs by more than :data:`ANOTHER` from its own."""
+    ratio = np.array(fault_orders(bearing)) / np.array(fault_orders(own))
+    return bool(np.abs(ratio - 1.0).max() > ANOTHER)
+
+
 def _geometry(name: str) -> Bearing:
     """Geometry of the bearing of a rig."""
     rig = RIGS[name]
@@ -179,11 +185,10 @@ def draw(number: int, *, misled: bool = False) -> Case:
     if rng.random() < SPEED_SHARE:
         off = float(rng.choice((-1.0, 1.0)) * rng.uniform(0.03, 0.05))
         return replace(case, given_hz=case.shaft_hz * (1.0 + off))
-    own = np.array(fault_orders(case.geometry))
     others = [
         rig
         for rig in RIGS
-        if np.abs(np.array(fault_orders(_geometry(rig))) / own - 1.0).max() > ANOTHER
+        if is_another(_geometry(rig), case.geometry)
         and 8.0 * highest_fault_order(_geometry(rig)) * shaft_hz < case.sample_rate
     ]
     return replace(case, given_rig=str(rng.choice(others))) if others else case

@@ -97,7 +97,6 @@ class Piece:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument(
         'folder', metavar='DATA_DIR', help='folder with an index.json, or made by bearing-datasets'
     )

@@ -9,8 +9,9 @@ from itertools import islice
 from typing import TYPE_CHECKING
 import zlib
 
-from bearing_twin.bearing import catalogue, fault_orders, PLACES
+from bearing_twin.bearing import catalogue, PLACES
 from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.studies.impact_machines import is_another
 import numpy as np
 
 if TYPE_CHECKING:
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 COUNT = 12
 """Other bearings that are tried on a record."""
 
-ANOTHER = 0.012
-"""Relative difference of a fault order from which on a bearing is another one."""
 
 OFF = (-0.05, -0.03, 0.03, 0.05)
 """Relative errors of the speed, with none stated."""
@@ -41,14 +40,8 @@ Judged = tuple[str, bool, str, bool]
 def others(record: str, bearing: Bearing) -> Iterator[Bearing]:
     """Bearings of the catalogue that are not in the machine, for a record the same each time."""
     known = list(catalogue().values())
-    own = np.array(fault_orders(bearing))
     order = np.random.default_rng(zlib.crc32(record.encode())).permutation(len(known))
-    different = (
-        known[i]
-        for i in order
-        if np.abs(np.array(fault_orders(known[i])) / own - 1.0).max() > ANOTHER
-    )
-    yield from islice(different, COUNT)
+    yield from islice((known[i] for i in order if is_another(known[i], bearing)), COUNT)
 
 
 def judge_misled(

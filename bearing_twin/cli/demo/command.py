@@ -21,6 +21,7 @@ from bearing_twin.dynamics.presets import preset
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.processes.launching import COMPILING, local_environment, NodeProcesses
+from bearing_twin.wholefile import free_path
 
 if TYPE_CHECKING:
     import argparse
@@ -36,7 +37,6 @@ START_TIMEOUT = 300.0
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     parser.add_argument(
         '--recording',
         type=Path,
@@ -77,31 +77,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def make_folder(out: Path) -> Path:
-    """
-    Make a folder of its own for a run.
-
-    Raises
-    ------
-    BearingTwinError
-        If none can be made in ``out``.
-
-    """
-    name = f'demo-{datetime.now():%Y%m%d-%H%M%S}'
-    count = 0
-    while True:
-        count += 1
-        folder = out / (name if count == 1 else f'{name}-{count}')
-        try:
-            folder.mkdir(parents=True)
-        except FileExistsError:
-            if out.is_dir():
-                continue
-            msg = f'{out} is not a folder; choose another --out'
-            raise BearingTwinError(msg) from None
-        except OSError as error:
-            msg = f'{folder} cannot be made ({error.strerror}); choose another --out'
-            raise BearingTwinError(msg) from None
-        return folder
+    """Make a folder of its own for a run."""
+    folder = free_path(out / f'demo-{datetime.now():%Y%m%d-%H%M%S}')
+    try:
+        folder.mkdir(parents=True)
+    except OSError as error:
+        msg = f'{folder} cannot be made ({error.strerror}); choose another --out'
+        raise BearingTwinError(msg) from None
+    return folder
 
 
 def _choose_domain(asked: int | None) -> AbstractContextManager[int]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.cli.terminal import wrapped
+from bearing_twin.cli.terminal import lined_up
 from bearing_twin.ros.processes.launching import NodeProcesses
 
 if TYPE_CHECKING:
@@ -46,28 +46,17 @@ class Found:
 
     def to_text(self) -> str:
         """Return a few lines."""
-        return '\n'.join(
-            line
-            for name, text in (
-                ('machine', f'{HIDDEN["bearing"]} with a defect that no other node is told'),
-                ('diagnosis', f'{self.place}, confidence {self.confidence:.2f}'),
-                ('calibrated', f'{self.statement}; the hidden one is {self.width_hidden:g} mm'),
-                ('twin', f'follows: {self.followed}'),
-            )
-            for line in wrapped(f'{name:<10}', text)
+        rows = (
+            ('machine', f'{HIDDEN["bearing"]} with a defect that no other node is told'),
+            ('diagnosis', f'{self.place}, confidence {self.confidence:.2f}'),
+            ('calibrated', f'{self.statement}; the hidden one is {self.width_hidden:g} mm'),
+            ('twin', f'follows: {self.followed}'),
         )
+        return '\n'.join(lined_up(rows))
 
 
 def find_hidden(logs: Path, environment: Mapping[str, str], say: Callable[[str], object]) -> Found:
-    """
-    Run a hidden machine, its diagnosis and calibration, and a twin that follows it.
-
-    Raises
-    ------
-    BearingTwinError
-        If a node fails, or there is no calibration in time.
-
-    """
+    """Run a hidden machine, its diagnosis and calibration, and a twin that follows it."""
     from bearing_twin.cli.demo.watch import Watcher
     from bearing_twin_msgs.msg import Calibration, Diagnosis
     from diagnostic_msgs.msg import DiagnosticArray

@@ -15,7 +15,7 @@ from typing import Any
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.cli.demo.amplitude import AmplitudeByTemperature
-from bearing_twin.cli.terminal import wrapped
+from bearing_twin.cli.terminal import lined_up
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import sent_before
@@ -108,20 +108,11 @@ class Summary:
             ('lateness', f'{self.lateness_max_ms:.1f} ms at most'),
             *(('file', f'{name} ({size / 1e6:.2g} MB)') for name, size in self.files.items()),
         ]
-        width = max(len(name) for name, _ in rows)
-        return '\n'.join(line for name, text in rows for line in wrapped(f'{name:<{width}}', text))
+        return '\n'.join(lined_up(rows))
 
 
 def summarise(folder: Path, defect: str, preset: str) -> Summary:
-    """
-    Read the run back.
-
-    Raises
-    ------
-    BearingTwinError
-        If the recording holds no twin state or no verdict.
-
-    """
+    """Read the run back; a recording without twin state or verdict is refused."""
     low, high, worst = float('inf'), float('-inf'), 0.0
     state: Any = None
     verdict: Any = None

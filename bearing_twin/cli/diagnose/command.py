@@ -33,7 +33,6 @@ SERIES = ('cycle', 'baseline', 'hold')
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments."""
     add_reading(parser)
     parser.add_argument(
         '--speed-tolerance',

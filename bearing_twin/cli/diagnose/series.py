@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.cli.signal_arguments import given_bearing
-from bearing_twin.cli.terminal import by_level, clear_progress, plain, progress, wrapped
+from bearing_twin.cli.terminal import by_level, clear_progress, lined_up, plain, progress, wrapped
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
@@ -148,8 +148,7 @@ def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
         *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
     ]  # fmt: skip
     head = wrapped('', f'from {said} on: {len(points)} snapshots in {length}')
-    lines = (line for name, text in rows for line in wrapped(f'{name:<8}', text))
-    return '\n'.join([by_level('\n'.join(head), 'bold'), *lines])
+    return '\n'.join([by_level('\n'.join(head), 'bold'), *lined_up(rows)])
 
 
 def _clock(seconds: float) -> str:

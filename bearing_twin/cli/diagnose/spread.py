@@ -32,20 +32,8 @@ def answers(
     """
     Return the answers in the order of the tasks, whoever has worked them out.
 
-    Parameters
-    ----------
-    tasks
-        Files to diagnose.
-    jobs
-        Processes; None: one a core.
-    dask
-        Address of the scheduler of a Dask cluster; empty for none.
-
-    Raises
-    ------
-    BearingTwinError
-        If Dask is not installed or does not answer, or if less than one process is asked for.
-
+    These are ``jobs`` processes, or the workers of the Dask cluster whose scheduler has the
+    address ``dask``. One that is not installed or does not answer is an error.
     """
     if dask:
         return _on_dask(tasks, dask)

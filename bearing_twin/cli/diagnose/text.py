@@ -8,7 +8,7 @@ from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
 from bearing_twin.cli.diagnose.task import CARD
-from bearing_twin.cli.terminal import by_level, wrapped
+from bearing_twin.cli.terminal import by_level, lined_up
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.verdict import facts, measured, reasons
 
@@ -40,12 +40,7 @@ def line(answer: dict[str, Any]) -> str:
 def page(answer: dict[str, Any]) -> str:
     """Return everything that a person asks of one file, the evidence at the end."""
     rows = [('Verdict', _verdict(answer)), ('Bearing', answer['bearing']), *answer[CARD]]
-    widest = max(len(name) for name, _ in rows)
-    lines = [
-        by_level(answer['source'], 'bold'),
-        *(part for name, text in rows for part in wrapped(f'{name:<{widest}}', text)),
-        *_table(answer),
-    ]
+    lines = [by_level(answer['source'], 'bold'), *lined_up(rows), *_table(answer)]
     evidence = answer['evidence']
     if evidence['line_hz']:
         lines.append('')
