@@ -14,6 +14,7 @@ from bearing_twin.diagnosis.signal.lines import nearest_row
 from bearing_twin.diagnosis.signal.spectra import column_quantiles, quantiles
 from bearing_twin.diagnosis.thresholds import HARMONICS
 from bearing_twin.numerics.compiled import compiled, FAST
+from bearing_twin.numerics.vector import L
 import numpy as np
 
 if TYPE_CHECKING:
@@ -213,7 +214,7 @@ class CombScores(NamedTuple):
             self.whitenings,
             self.best_center,
             self.best_spread,
-            np.empty(len(self.center), np.float32),
+            np.empty(len(self.center) + L * self.whitenings, np.float32),
             best,
         )
         return best

@@ -130,7 +130,7 @@ def best_bands(
     whitenings: int,
     best_center: float,
     best_spread: float,
-    silent: NDArray[np.float32],
+    work: NDArray[np.float32],
     best: NDArray[np.float64],
 ) -> None:
     """
@@ -148,14 +148,22 @@ def best_bands(
         Number of whitenings.
     best_center, best_spread
         Median and spread of the mean.
-    silent
-        (C,) to work in.
+    work
+        (C + 16 W,) to work in.
     best
         (G,), written.
 
     """
-    rows, bands = logs.shape[0], logs.shape[1] // whitenings
+    rows, columns = logs.shape
+    bands, silent = columns // whitenings, work[:columns]
     silent[:] = np.float32(NEUTRAL)
+    # Sixteen columns hold those of a whitening of fewer bands, and others, which do not count.
+    others = work[columns:]
+    for whitening in range(whitenings):
+        at = min(whitening * bands, columns - L)
+        for c in range(L):
+            own = whitening * bands <= at + c < (whitening + 1) * bands
+            others[whitening * L + c] = np.float32(0.0 if own else 1e30)
     for g in range(len(orders)):
         order = orders[g] / step
         at1, at2 = nearest_row(order, rows), nearest_row(2.0 * order, rows)
@@ -165,20 +173,25 @@ def best_bands(
         row3 = silent if hidden[at3] else logs[at3]
         row4 = silent if hidden[at4] else logs[at4]
         total = np.float32(0.0)
-        for first in range(0, whitenings * bands, bands):
-            end = first + bands
-            if bands < L:
+        for whitening in range(whitenings):
+            first, end = whitening * bands, (whitening + 1) * bands
+            if columns < L:
                 few = np.float32(-np.inf)
                 for c in range(first, end):
                     score = row1[c] + row2[c] + row3[c] + row4[c] - center[c]
                     few = max(few, score * inverse[c])
                 total += few
                 continue
+            if bands < L:
+                at = min(first, columns - L)
+                high = _sixteen(row1, row2, row3, row4, center, inverse, at)
+                total += highest(high - load(others, whitening))
+                continue
             # The last sixteen lap over those before them, which changes no maximum.
             high = _sixteen(row1, row2, row3, row4, center, inverse, end - L)
             for c in range(first, end - L, L):
-                others = _sixteen(row1, row2, row3, row4, center, inverse, c)
-                high = chosen(others > high, others, high)
+                more = _sixteen(row1, row2, row3, row4, center, inverse, c)
+                high = chosen(more > high, more, high)
             total += highest(high)
         best[g] = (total / whitenings - best_center) / best_spread
 
