@@ -141,8 +141,9 @@ def test_band_of_a_tree_is_the_band_alone_and_the_autocorrelation(
 
     # Points for 700 lags and no more, as the window has them.
     def lines_of(spectra, tree):
-        envelopes = np.concatenate(squared_envelopes(spectra, tree, 1400), axis=1)
-        return np.fft.rfft(envelopes.T.reshape(2, -1, 1400), axis=-1)
+        envelopes = np.concatenate(squared_envelopes(spectra, tree, 1400), axis=1).T
+        assert not envelopes[2 * len(tree.bands) :].any()
+        return np.fft.rfft(envelopes[: 2 * len(tree.bands)].reshape(2, -1, 1400), axis=-1)
 
     found = lines_of(spectra, tree)
     bands = [(width, first) for width, firsts in tree.levels for first in firsts]

@@ -97,24 +97,28 @@ def squared_envelopes(
 
     Returns
     -------
-    Arrays of shape (``points``, n), up to sixteen bands each, whitening by whitening.
+    Arrays of shape (``points``, n) whose columns are the bands, whitening by whitening: sixteen
+    each, and 4 or 16 at last, where what is beyond the bands is zero.
 
     >>> from bearing_twin.diagnosis.signal.spectra import whiten
     >>> noise = np.random.default_rng(0).standard_normal(25600)
     >>> spectrum = np.fft.rfft(noise).astype(np.complex64)
     >>> tree = band_tree(12800, 1.0, depth=2, narrowest_hz=500.0)
     >>> [part.shape for part in squared_envelopes(whiten(spectrum, 256), tree, 1280)]
-    [(1280, 16), (1280, 6)]
+    [(1280, 16), (1280, 16)]
 
     """
     count = len(whitened) * len(tree.bands)
     lags = np.zeros((points // 2 + 1, 2, count + 2 * L), np.float32)
     add_to = _by_tile if _tiles_suit(tree, len(lags)) else _by_band
     add_to(whitened, tree, lags)
-    return [
-        np.ascontiguousarray(real_columns(lags, first, points)[:, : count - first])
-        for first in range(0, count, L)
+    envelopes = [
+        np.ascontiguousarray(real_columns(lags, first, points)) for first in range(0, count, L)
     ]
+    if count % L == 4:
+        # Four columns are transformed as sixteen of a quarter of the length.
+        envelopes[-1] = np.ascontiguousarray(envelopes[-1][:, :4])
+    return envelopes
 
 
 def _tile(tree: BandTree) -> int:

@@ -111,8 +111,8 @@ class Segment:
     """What is computed of a segment once."""
 
     envelopes: tuple[NDArray[np.float32], ...]
-    """Squared envelopes, whitening by whitening, ((lap + hop) / step, n) of n <= 16 bands each;
-    their ends fade."""
+    """Squared envelopes as :func:`squared_envelopes` has them, ((lap + hop) / step, n) each; their
+    ends fade."""
     slow: NDArray[np.float32]
     """((lap + hop) / step,): low-passed signal over its RMS; its ends fade."""
     lines: NDArray[np.float32]

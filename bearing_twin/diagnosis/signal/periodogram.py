@@ -152,7 +152,7 @@ def power_of_lines(x: Lapping, power: NDArray[np.float32], first: int) -> None:
     x
         Up to sixteen columns, shape (N, n).
     power
-        (K, B), n columns of it written; row k is line k + 1.
+        (K, B), n columns of it written, or those that are left; row k is line k + 1.
     first
         First of these columns.
 

@@ -322,7 +322,8 @@ def envelope_spectra(
     Parameters
     ----------
     envelopes
-        Squared envelopes, (N, n) of up to sixteen bands at a time, whitening by whitening.
+        Squared envelopes, (N, n) of up to sixteen bands at a time, whitening by whitening. Columns
+        at the end that are no bands do not count.
     rate
         Points a second.
     bands
