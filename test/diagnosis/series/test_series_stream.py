@@ -4,6 +4,7 @@
 
 from dataclasses import replace
 import math
+import zlib
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis.series.snapshots import _VERSION, SeriesDiagnoser
@@ -28,6 +29,10 @@ def played(diagnoser, numbers, *, worn, index=None, height=5.0):
             due = diagnoser.take(first + start, block, RATE, 25.0, temperature=60.0, sensor='y')
             said += [diagnoser.judge(excerpt.analyse()) for excerpt in due]
     return said
+
+
+def packed(values, arrays):
+    return zlib.compress(pack(_VERSION, values, arrays))
 
 
 CYCLE_SETTINGS = DiagnosisSettings(
@@ -162,10 +167,11 @@ def test_series_is_saved_and_resumed_to_the_bit():
     other = straight.take(10**12, np.ones(20_000), RATE, 25.0, sensor='x')
     assert 'the series is of' in straight.judge(other[0].analyse()).reasons[-1]
     before = straight.save()
+    assert len(before) < 250_000
     for broken in (b'', before[:-9], before[:40] + b'x' + before[41:]):
         with pytest.raises(BearingTwinError):
             straight.load(broken)
-    values, arrays = unpack(before, _VERSION)
+    values, arrays = unpack(zlib.decompress(before), _VERSION)
     kept = values['series']['kept']
     for changed, levels in (
         (
@@ -180,7 +186,7 @@ def test_series_is_saved_and_resumed_to_the_bit():
     ):
         forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
         with pytest.raises(BearingTwinError, match='use what save'):
-            straight.load(pack(_VERSION, forged, {**arrays, 'levels': levels}))
+            straight.load(packed(forged, {**arrays, 'levels': levels}))
     # What does not fit together was met in the next snapshot only, and ended the node.
     averaged = values['series']['averaged']
     forgeries = [
@@ -200,10 +206,10 @@ def test_series_is_saved_and_resumed_to_the_bit():
     for own, of_series, other_arrays in forgeries:
         forged = {**values, **own, 'series': {**values['series'], **of_series}}
         with pytest.raises(BearingTwinError, match='use what save'):
-            straight.load(pack(_VERSION, forged, {**arrays, **other_arrays}))
+            straight.load(packed(forged, {**arrays, **other_arrays}))
     # Snapshots of next to no turn resolve nothing, and say so.
     absurd = [averaged[0], [99, 1e-300], [19, 1e-300]]
     forged = {**values, 'series': {**values['series'], 'averaged': absurd}}
-    resumed.load(pack(_VERSION, forged, arrays))
+    resumed.load(packed(forged, arrays))
     assert played(resumed, range(60, 62), worn=0)[-1].level == 'fault'
     assert straight.save() == before
