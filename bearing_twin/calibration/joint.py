@@ -34,13 +34,6 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
     Those that stay as far apart on the race are a passage, whatever made the record alone
     doubtful; its width is their distance and what the path of a ball takes off.
 
-    Parameters
-    ----------
-    found
-        Of one record.
-    others
-        Of other records of the machine.
-
     Examples
     --------
     >>> from bearing_twin.bearing import find_bearing

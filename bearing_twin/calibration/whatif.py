@@ -68,15 +68,6 @@ def features(x: FloatArray, sample_rate: float, longest: float) -> dict[str, flo
     """
     Figures of a vibration that are predicted: level, crest factor, impulsiveness, spacing.
 
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    sample_rate
-        Hz.
-    longest
-        Longest time between the impacts of a passage, s.
-
     Examples
     --------
     >>> x = np.random.default_rng(1).standard_normal(25600)

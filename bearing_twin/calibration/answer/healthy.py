@@ -151,19 +151,6 @@ def shown(
     """
     Whether a record would have shown a defect.
 
-    Parameters
-    ----------
-    x
-        The record, shape (n,).
-    added
-        What the defect adds, in its unit, shape (n,).
-    sample_rate
-        Hz.
-    frequency
-        Of the impacts, Hz.
-    shaft_hz
-        Shaft speed, Hz.
-
     Examples
     --------
     >>> x = np.random.default_rng(1).standard_normal(25600)
@@ -200,13 +187,6 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
 
     Harmonics are left out: three of an outer race may be two of an inner one. A line of the shaft
     that lies where the part may strike counts as the part's; see `order_of_the_shaft`.
-
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    situation
-        Of the machine.
 
     Examples
     --------
@@ -286,13 +266,6 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
     Where it is high the impacts are half as frequent, as they seem if a sample rate is halved or a
     speed doubled. Orders of the shaft are left out, and with them the sidebands of an inner race.
     It is 0 where noise alone may be as high: the line of faint impacts is hardly higher.
-
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    situation
-        Of the machine.
 
     Examples
     --------

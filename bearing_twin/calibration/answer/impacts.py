@@ -98,15 +98,6 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
     The whitening of a gear's vibration leaves an echo of each other impact after the time of a
     tooth, which passes for a second impact. The lines of the gear are in the spectrum itself.
 
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    sample_rate
-        Hz.
-    measured
-        Its summary.
-
     Examples
     --------
     >>> import numpy as np
@@ -168,13 +159,6 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
 
     Rivals are looked for up to twice the longest time of a passage: what turns with the shaft, as
     the teeth of a gear do, repeats after twice the time too.
-
-    Parameters
-    ----------
-    whole, measured
-        Of the record: all lags, and those of simulated defects.
-    situation
-        Of the machine.
 
     Examples
     --------
@@ -248,13 +232,6 @@ def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ..
     so far apart that ringing would differ, and where no record has a clear repetition at the time
     of another's passage. What repeats after twice the angle too, or after a second angle in both
     records, is a machine part that turns: a gear or a fan.
-
-    Parameters
-    ----------
-    seen
-        Of a record.
-    others
-        Of other records of the machine.
 
     Examples
     --------

@@ -132,13 +132,6 @@ def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
     """
     Return why impacts are not those of a part: they are half as frequent; None if they are not.
 
-    Parameters
-    ----------
-    x
-        The record, shape (n,).
-    situation
-        Of the machine.
-
     Examples
     --------
     >>> import numpy as np
@@ -165,15 +158,6 @@ def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
 def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Refusal | None:
     """
     Return why a defect may be wider than is simulated; None if it is not.
-
-    Parameters
-    ----------
-    whole
-        Of the record.
-    situation
-        Of the machine.
-    measured
-        Its summary, of the lags of simulated defects.
 
     Examples
     --------
@@ -214,15 +198,6 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
 def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> Refusal | None:
     """
     Return why a record tells no spacing of the impacts of a passage; None if it does.
-
-    Parameters
-    ----------
-    whole
-        Of the record.
-    measured
-        Its summary, of the lags of simulated defects.
-    situation
-        Of the machine.
 
     Examples
     --------

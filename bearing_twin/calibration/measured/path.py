@@ -122,13 +122,6 @@ def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]
     be the luckiest. Chance still chooses, in half of the record about twice as much as in all of
     it, which is taken off. Without each part once (a jackknife), it scatters as it is uncertain.
 
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    sample_rate
-        Hz.
-
     Examples
     --------
     >>> noise = np.random.default_rng(1).standard_normal(25600)
@@ -168,13 +161,6 @@ def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
     Covariance-driven stochastic subspace identification (Peeters and De Roeck, Mech. Syst. Signal
     Process. 1999, 13, 855): the autocorrelation of what resonances make of noise is a sum of their
     free decays. Lag zero, which has the noise of the sensor, is left out.
-
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    sample_rate
-        Hz.
 
     Examples
     --------

@@ -80,15 +80,7 @@ class Correlation:
         return (first + highest) / self.rate, float(values[highest] - np.median(about))
 
     def summary(self, longest: float) -> Summary:
-        """
-        Summarise the lags of a passage.
-
-        Parameters
-        ----------
-        longest
-            Greatest time between the impacts of one passage that is looked for, s.
-
-        """
+        """Summarise the lags of a passage."""
         rate = self.rate
         last = min(int(longest * rate) + 1, len(self.values) // 4)
         near, beyond = self.values[:last], self.values[last : 2 * last]
@@ -223,15 +215,6 @@ def fastest_resonance(x: FloatArray, sample_rate: float, spacing: float) -> floa
     for a resonance. Of 160 simulated pairs 0.3 to 2 ms apart, half of them beside a rotor that
     rings below 1 kHz, 142 are found to a tenth and one is too high.
 
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    sample_rate
-        Hz.
-    spacing
-        Time between two impacts, s.
-
     Examples
     --------
     >>> rng = np.random.default_rng(1)
@@ -298,13 +281,6 @@ def correlate(x: FloatArray, sample_rate: float) -> Correlation:
     """
     Correlate the squared envelope of a vibration with itself.
 
-    Parameters
-    ----------
-    x
-        Samples of one axis, shape (n,).
-    sample_rate
-        Hz.
-
     Examples
     --------
     >>> found = correlate(np.random.default_rng(1).standard_normal(25600), 25600.0)
@@ -328,15 +304,6 @@ def correlate(x: FloatArray, sample_rate: float) -> Correlation:
 def summarise(x: FloatArray, sample_rate: float, longest: float) -> Summary:
     """
     Summarise a vibration: see `Correlation.summary`.
-
-    Parameters
-    ----------
-    x
-        Samples of one axis, shape (n,).
-    sample_rate
-        Hz.
-    longest
-        Greatest time between the impacts of one passage that is looked for, s.
 
     Examples
     --------
