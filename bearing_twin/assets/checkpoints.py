@@ -24,15 +24,7 @@ class Checkpoints:
     """
     Make a checkpoint of a node each period, and after each step that breaks the sequence.
 
-    Parameters
-    ----------
-    kind
-        ``'twin'``, ``'fleet'`` or ``'diagnosis'``.
-    node
-        Full name of the node.
-    period
-        Time between two checkpoints, s.
-
+    ``kind``: ``'twin'``, ``'fleet'`` or ``'diagnosis'``; ``node``: its full name; ``period``: s.
     """
 
     def __init__(self, kind: str, node: str, period: float) -> None:
@@ -61,15 +53,8 @@ class Checkpoints:
         """
         Return the checkpoint before a block; the next one is due a period later.
 
-        Parameters
-        ----------
-        first_sample, stamp, sample_rate
-            Index and time (ns) of the first sample of the block, and its rate (Hz).
-        configuration
-            Parameters in force, YAML.
-        state
-            State before the block.
-
+        Index, stamp (ns) and rate are those of its first sample, ``configuration`` the parameters in
+        force (YAML), ``state`` that before it.
         """
         self._due = first_sample + round(self._period * sample_rate)
         return Checkpoint(

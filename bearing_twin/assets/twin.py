@@ -103,16 +103,7 @@ class TwinChannel(Inputs):
 
 class Twin(TwinChannel):
     """
-    A twin with a simulator of its own.
-
-    Parameters
-    ----------
-    values
-        Parameters of the twin node.
-    node
-        Full name of the node, for its checkpoints.
-    clock
-        The receiver's clock, s.
+    A twin with a simulator of its own, of the parameters of a twin node.
 
     Raises
     ------

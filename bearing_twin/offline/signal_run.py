@@ -36,18 +36,7 @@ def record_signal(
     """
     Write a signal as the recording that the diagnosis node would have answered.
 
-    Parameters
-    ----------
-    signal
-        Samples of one channel.
-    target
-        Recording to make.
-    bearing
-        What it was measured at.
-    shaft_hz
-        Shaft speed, Hz; NaN: what the signal says.
-    unit
-        Of the samples; '': what the signal says.
+    ``shaft_hz`` and ``unit``, where given, take the place of what the signal says.
 
     Raises
     ------

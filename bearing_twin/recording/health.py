@@ -86,12 +86,7 @@ def examine(
     """
     Read a recording from front to back, once: what is inside, and how sound it is.
 
-    Parameters
-    ----------
-    path
-        File or bag folder.
-    see
-        Shown every message on the way.
+    ``see`` is shown every message on the way.
 
     Raises
     ------

@@ -122,18 +122,7 @@ def write_temperature_recording(
     topic: str = '/temperature',
 ) -> None:
     """
-    Write readings as a recording of ``sensor_msgs/Temperature``.
-
-    Parameters
-    ----------
-    path
-        File or bag folder to make.
-    times, temperatures
-        Shape ``(n,)``, s from the start and degC.
-    source
-        Where they come from; kept in the recording.
-    topic
-        Topic.
+    Write readings, s from the start and degC, as a recording of ``sensor_msgs/Temperature``.
 
     Raises
     ------

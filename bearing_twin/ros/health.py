@@ -95,19 +95,7 @@ class Health:
         )
 
     def add(self, part: str, task: Callable[[], Status], *, hardware_id: str = '') -> None:
-        """
-        Add a part of the node.
-
-        Parameters
-        ----------
-        part
-            Its name.
-        task
-            Returns its status when asked.
-        hardware_id
-            Asset that it speaks of; '' for that of the node.
-
-        """
+        """Add a part, whose ``task`` returns its status: of the asset of the node if no other."""
         self.tasks[part] = (task, hardware_id.strip('/') or self.hardware_id)
         self._timer.timer_period_ns = NANO // math.ceil(len(self.tasks) / PARTS)
 

@@ -81,19 +81,7 @@ class Verdicts:
         )
 
     def of(self, frame_id: str, end: int, sample_rate: float) -> Heard:
-        """
-        Return what the diagnosis says about a record.
-
-        Parameters
-        ----------
-        frame_id
-            Of its sensor.
-        end
-            Running index after its last sample.
-        sample_rate
-            Hz.
-
-        """
+        """Return what the diagnosis says of a sensor's record that ends before sample ``end``."""
         said = self._newest
         if said is None:
             return Heard(

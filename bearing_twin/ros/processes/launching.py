@@ -94,21 +94,9 @@ class NodeProcesses:
         within: tuple[str, ...] = (),
     ) -> None:
         """
-        Start a node with parameters.
+        Start the node of a module with parameters, under a name of its own if one is given.
 
-        Parameters
-        ----------
-        module
-            Its name, which is that of its module.
-        parameters : mapping
-            Its parameters.
-        name
-            Name of the process here, ``module`` if empty.
-        ros
-            More ``--ros-args``.
-        within
-            Command that runs the process, such as ``ip netns exec HOST``.
-
+        ``ros`` are more ``--ros-args``; ``within`` is a command to run it, ``ip netns exec HOST``.
         """
         words = [*within, sys.executable, '-c', COMMAND]
         words += ['run', module, '--ros-args']
