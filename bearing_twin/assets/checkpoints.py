@@ -53,7 +53,7 @@ class Checkpoints:
         """
         Return the checkpoint before a block; the next one is due a period later.
 
-        Index, stamp (ns) and rate are those of its first sample, ``configuration`` the parameters in
+        Index, stamp (ns) and rate are of its first sample, ``configuration`` the parameters in
         force (YAML), ``state`` that before it.
         """
         self._due = first_sample + round(self._period * sample_rate)
