@@ -69,15 +69,7 @@ class Checkpoints:
 
 
 def configuration_values(checkpoint: Any) -> dict[str, Any]:
-    """
-    Read the configuration of a checkpoint.
-
-    Raises
-    ------
-    BearingTwinError
-        If it is no table of parameters.
-
-    """
+    """Read the configuration of a checkpoint."""
     values = load_plain(str(checkpoint.configuration), 'the configuration of a checkpoint')
     if not isinstance(values, dict):
         msg = 'the configuration of a checkpoint is no table of parameters'

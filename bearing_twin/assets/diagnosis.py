@@ -72,15 +72,7 @@ class DueVerdict:
 
 
 class DiagnosisCore:
-    """
-    The diagnosis that a set of parameters describes.
-
-    Raises
-    ------
-    BearingTwinError
-        If they do not fit together.
-
-    """
+    """The diagnosis that a set of parameters describes."""
 
     def __init__(self, values: Mapping[str, object]) -> None:
         self.diagnoser = build_diagnoser(values)

@@ -80,15 +80,7 @@ class Search:
         self._late: list[int] = []
 
     def add(self, run: FleetRun) -> None:
-        """
-        Take a run.
-
-        Raises
-        ------
-        BearingTwinError
-            If the smallest fleet is late twice.
-
-        """
+        """Take a run."""
         if run.kept_time:
             self._runs.append(run)
         elif self._runs or not self._late:

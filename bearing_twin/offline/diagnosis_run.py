@@ -27,15 +27,7 @@ NODE = '/diagnosis'
 
 
 class DiagnosisRun:
-    """
-    The diagnosis node's work on one vibration message after the other.
-
-    Raises
-    ------
-    BearingTwinError
-        If they do not fit together.
-
-    """
+    """The diagnosis node's work on one vibration message after the other."""
 
     def __init__(self, values: Mapping[str, Any], state: bytes | None = None) -> None:
         self.values = dict(values)

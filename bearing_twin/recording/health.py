@@ -87,12 +87,6 @@ def examine(
     Read a recording from front to back, once: what is inside, and how sound it is.
 
     ``see`` is shown every message on the way.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is no recording, or no file is an MCAP file.
-
     """
     health = RecordingHealth()
     checks: dict[str, _TopicCheck] = {}

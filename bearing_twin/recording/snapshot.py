@@ -108,15 +108,7 @@ class SnapshotWriter(MessageSink):
             self._kept_bytes -= self._kept.popleft().memory
 
     def trigger(self, log_time: int) -> None:
-        """
-        Write what is kept, and what follows until ``after`` seconds past ``log_time`` (ns).
-
-        Raises
-        ------
-        BearingTwinError
-            If the folder cannot be made.
-
-        """
+        """Write what is kept, and what follows until ``after`` seconds past ``log_time`` (ns)."""
         if self._writer is None:
             self._writer = RecordingWriter(self.path, self._options)
             for attached in self._attached:

@@ -24,15 +24,7 @@ MCL_CURRENT, MCL_FUTURE = 1, 2
 
 
 def check_thresholds(values: Mapping[str, Any]) -> None:
-    """
-    Refuse a warning that would come after the error.
-
-    Raises
-    ------
-    BearingTwinError
-        If a threshold of a warning is above that of the error.
-
-    """
+    """Refuse a warning that would come after the error."""
     for name, *_ in THRESHOLDS:
         warn, error = values[f'{name}.warn'], values[f'{name}.error']
         if not warn <= error:
@@ -81,15 +73,7 @@ def raise_priority(priority: int) -> str:
 
 
 def lock_memory() -> None:
-    """
-    Keep all present and future memory of the process from being swapped out.
-
-    Raises
-    ------
-    BearingTwinError
-        If the system refuses.
-
-    """
+    """Keep all present and future memory of the process from being swapped out."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
         reason = os.strerror(ctypes.get_errno())

@@ -57,15 +57,7 @@ def _new_file(name: str) -> Path:
 
 
 def write_table(path: Path, values: Mapping[str, Any]) -> None:
-    """
-    Write what a study found.
-
-    Raises
-    ------
-    BearingTwinError
-        If the file cannot be written.
-
-    """
+    """Write what a study found."""
     with output_file(path) as file:
         file.write(f'{json.dumps(values, indent=1)}\n'.encode())
 
@@ -75,12 +67,6 @@ def read_lines(path: Path) -> list[Any]:
     Return the lines of JSON that an earlier run has written; none where there is no file.
 
     A last line that is cut off, as by a kill, is taken off the file, so that a run can go on.
-
-    Raises
-    ------
-    BearingTwinError
-        If the file holds something else.
-
     """
     try:
         text = path.read_text(encoding='utf-8')

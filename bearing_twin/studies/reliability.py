@@ -122,15 +122,7 @@ def _matrix(told: Sequence[Told], names: Sequence[str]) -> NDArray[np.float64]:
 
 
 def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[str, float]]:
-    """
-    Weights of the terms for each of these kinds of answer: logistic regression.
-
-    Raises
-    ------
-    BearingTwinError
-        If there are too few answers of a kind.
-
-    """
+    """Weights of the terms for each of these kinds of answer: logistic regression."""
     weights = {}
     for kind in kinds:
         rows = [t for t in told if t.kind == kind]

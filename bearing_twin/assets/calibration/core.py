@@ -58,15 +58,7 @@ REPAIRED = (
 
 
 class CalibrationCore:
-    """
-    The calibration that a set of parameters describes: no clocks, no threads, no topics.
-
-    Raises
-    ------
-    BearingTwinError
-        If they do not fit together.
-
-    """
+    """The calibration that a set of parameters describes: no clocks, no threads, no topics."""
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         self._values = values

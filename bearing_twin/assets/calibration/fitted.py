@@ -124,15 +124,7 @@ class Fitted:
 
 
 def read_fitted(text: str) -> Fitted:
-    """
-    Read what a twin takes of a calibration from its JSON, as ``bearing-twin fit --json`` writes.
-
-    Raises
-    ------
-    BearingTwinError
-        If it is no calibration.
-
-    """
+    """Read what a twin takes of a calibration from what ``bearing-twin fit --json`` writes."""
     try:
         values = json.loads(text)
         machine, twin, spectrum = values['machine'], values['twin'], values['spectrum']
@@ -228,15 +220,7 @@ class Sensor:
         return b''.join(axis.memory.astype('<f8').tobytes() for axis in self._axes)
 
     def load(self, data: bytes) -> None:
-        """
-        Let the filters go on from what :meth:`save` returned.
-
-        Raises
-        ------
-        BearingTwinError
-            If it is not of these filters.
-
-        """
+        """Let the filters go on from what :meth:`save` returned."""
         values = np.frombuffer(data, dtype='<f8') if len(data) % 8 == 0 else np.zeros(0)
         if len(values) != 2 * len(self._axes[0].memory) or not np.isfinite(values).all():
             msg = 'saved state of a sensor is invalid; start without it'

@@ -74,15 +74,7 @@ class Fit:
 
 
 def work(task: Task) -> Fit:
-    """
-    Fit a record, and take the spectra of machine and twin; in a process of its own.
-
-    Raises
-    ------
-    BearingTwinError
-        If the record cannot be fitted.
-
-    """
+    """Fit a record, and take the spectra of machine and twin; in a process of its own."""
     found = fit(
         task.samples, task.sample_rate, task.bearing, task.shaft_hz, load=task.load,
         temperature=task.temperature, unit=task.unit, place=task.place,

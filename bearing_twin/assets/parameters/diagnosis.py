@@ -65,28 +65,12 @@ def build_bearing(values: Mapping[str, Any]) -> Bearing:
 
 
 def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
-    """
-    Return the settings of the chain.
-
-    Raises
-    ------
-    BearingTwinError
-        If they do not fit together.
-
-    """
+    """Return the settings of the chain."""
     return DiagnosisSettings(**field_values(_SETTINGS, values))
 
 
 def check_diagnosis(values: Mapping[str, Any]) -> None:
-    """
-    Refuse parameters that do not fit together.
-
-    Raises
-    ------
-    BearingTwinError
-        If one cannot be used.
-
-    """
+    """Refuse parameters that do not fit together."""
     build_diagnoser(values)
     if values['state_name']:
         StateFolder(values['state_directory']).path(values['state_name'])

@@ -40,12 +40,6 @@ class Spec(Quantity):
         A whole number is taken for a float and, since a bearing called 6307 is a name, for a text.
         ``68e-6`` is a number to ROS but, without a point, a text to YAML 1.1. An axis ``y`` that
         ``ros2 param dump`` has written without quotes is read by ROS as true.
-
-        Raises
-        ------
-        BearingTwinError
-            If the value is of another type or outside its limits.
-
         """
         kind = type(self.default)
         if kind is str and type(value) is int:

@@ -124,15 +124,7 @@ class Chunks:
             raise BrokenRecording(msg, offset)
 
     def work(self, offset: int, amount: int) -> None:
-        """
-        Take note of work besides messages.
-
-        Raises
-        ------
-        SpentRecording
-            If it is more than the file may make.
-
-        """
+        """Take note of work besides messages."""
         self._work -= amount
         if self._work < 0:
             self.refuse(offset, 'it has too many records besides messages')

@@ -108,15 +108,7 @@ def refuse_special(path: Path) -> None:
 
 
 def check_magic(file: BinaryIO) -> None:
-    """
-    Refuse a file that does not begin as an MCAP file does.
-
-    Raises
-    ------
-    BrokenRecording
-        If it does not.
-
-    """
+    """Refuse a file that does not begin as an MCAP file does."""
     head = read_at(file, 0, len(MAGIC))
     if head != MAGIC:
         reason = 'does not begin with the MCAP magic bytes'
@@ -174,30 +166,14 @@ def record_at(file: BinaryIO, offset: int, stop: int) -> RawRecord:
 
 
 def read_record(file: BinaryIO, raw: RawRecord) -> McapRecord | None:
-    """
-    Parse one record; None for a kind that nobody here needs.
-
-    Raises
-    ------
-    BrokenRecording
-        If its content is damaged or larger than is read.
-
-    """
+    """Parse one record; None for a kind that nobody here needs."""
     if raw.opcode not in PARSERS:
         return None
     return parse(raw.opcode, content(file, raw), raw.offset)
 
 
 def content(file: BinaryIO, raw: RawRecord) -> bytes:
-    """
-    Return the bytes of a record.
-
-    Raises
-    ------
-    BrokenRecording
-        If it is larger than is read.
-
-    """
+    """Return the bytes of a record."""
     limit = LARGEST_RECORD if raw.opcode in BULKY else LARGEST_TABLE
     if raw.length > limit:
         msg = f'the record at byte {raw.offset} has {raw.length} bytes; limit {limit}'
@@ -206,15 +182,7 @@ def content(file: BinaryIO, raw: RawRecord) -> bytes:
 
 
 def message_head(data: bytes, at: int, length: int, offset: int) -> tuple[int, int, int]:
-    """
-    Return channel, log time and publish time of a message; its bytes follow ``MESSAGE_HEAD``.
-
-    Raises
-    ------
-    BrokenRecording
-        If it is too short.
-
-    """
+    """Return channel, log and publish time of a message; its bytes follow ``MESSAGE_HEAD``."""
     if length < MESSAGE_HEAD.size:
         msg = f'the message record at byte {offset} is damaged: it has {length} bytes'
         raise BrokenRecording(msg, offset)
@@ -223,15 +191,7 @@ def message_head(data: bytes, at: int, length: int, offset: int) -> tuple[int, i
 
 
 def parse(opcode: int, content: bytes, offset: int) -> McapRecord:
-    """
-    Parse the content of a record.
-
-    Raises
-    ------
-    BrokenRecording
-        If it is damaged.
-
-    """
+    """Parse the content of a record."""
     return parse_from(ReadDataStream(BytesIO(content)), opcode, offset)
 
 

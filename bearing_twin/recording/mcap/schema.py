@@ -68,15 +68,7 @@ def message_schema(type_name: str) -> MessageSchema:
 
 @lru_cache(maxsize=256)
 def store_from_text(type_name: str, text: str) -> Typestore:
-    """
-    Return a type store that decodes ``type_name`` as the embedded schema ``text`` says.
-
-    Raises
-    ------
-    BearingTwinError
-        If the text is no schema.
-
-    """
+    """Return a type store that decodes ``type_name`` as the embedded schema ``text`` says."""
     if len(text) > LONGEST_SCHEMA:
         msg = f'the schema of {type_name} has {len(text)} characters; at most {LONGEST_SCHEMA}'
         raise BearingTwinError(msg)
@@ -150,12 +142,6 @@ def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:
 
     CDR aligns numbers to their size. Fast CDR leaves the bytes in between as they happen to be in
     memory, so that equal messages differ there; they carry nothing.
-
-    Raises
-    ------
-    BearingTwinError
-        If schema or message are damaged.
-
     """
     store = store_from_text(type_name, text)
     try:

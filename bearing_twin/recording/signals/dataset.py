@@ -89,15 +89,7 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
 
 
 def chosen_signals(path: Path, channel: str | None) -> list[DatasetSignal]:
-    """
-    Return the signals of a data set whose id holds each word of ``channel``; None: all of them.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is none.
-
-    """
+    """Return the signals of a set whose id holds each word of ``channel``; None: all of them."""
     signals, words = dataset_signals(path), (channel or '').casefold().split()
     found = [row for row in signals if all(w in str(row['signal_id']).casefold() for w in words)]
     if not found:
@@ -114,15 +106,7 @@ def fault_label(row: DatasetSignal) -> str:
 
 
 def dataset_bearing(row: DatasetSignal) -> Bearing | None:
-    """
-    Return the bearing by the fault orders that a data set states; None where it states none.
-
-    Raises
-    ------
-    BearingTwinError
-        If no bearing has such orders.
-
-    """
+    """Return the bearing by the fault orders that a data set states; None where it states none."""
     said = [row.get(name) for name in ('bpfo', 'bpfi', 'bsf', 'ftf')]
     orders = [order for order in said if isinstance(order, float) and order > 0.0]
     if len(orders) < len(said):

@@ -150,15 +150,7 @@ def read_signal(
 
 
 def channels(path: Path) -> list[str]:
-    """
-    Return the names of the channels of a file that :func:`read_signal` can read.
-
-    Raises
-    ------
-    BearingTwinError
-        If the file cannot be read.
-
-    """
+    """Return the names of the channels of a file that :func:`read_signal` can read."""
     if is_dataset(path):
         return [str(row['signal_id']) for row in dataset_signals(path)]
     if path.is_dir() or path.suffix.lower() == '.mcap':
@@ -177,15 +169,7 @@ def channels(path: Path) -> list[str]:
 
 
 def _named(names: Iterable[str], said: str, path: Path) -> str:
-    """
-    Return the one name that is ``said``, has its letters in another case, or has it as a part.
-
-    Raises
-    ------
-    BearingTwinError
-        If none or several are meant; the text lists the names.
-
-    """
+    """Return the one name that is ``said``, has its letters in any case, or has it as a part."""
     known = list(names)
     folded = said.casefold()
     for fits in (

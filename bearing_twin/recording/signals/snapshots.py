@@ -54,15 +54,7 @@ class _Temperatures:
 
 
 def series_files(paths: Sequence[Path]) -> list[Path]:
-    """
-    Return the files of a series: those named, and those in the folders named, in natural order.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is none.
-
-    """
+    """Return the files of a series: those named, and those in named folders in natural order."""
     endings = (*SIGNAL_FILES, '.mcap')
     files: list[Path] = []
     for path in paths:

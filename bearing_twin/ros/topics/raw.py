@@ -25,15 +25,7 @@ DEEPEST = 10_000
 
 
 def message_class(type_name: str) -> Any:
-    """
-    Return the Python class of ``pkg/msg/Type``.
-
-    Raises
-    ------
-    BearingTwinError
-        If its package is not installed.
-
-    """
+    """Return the Python class of ``pkg/msg/Type``."""
     parts = type_name.split('/')
     if len(parts) == 3 and parts[1] == 'msg' and all(part.isidentifier() for part in parts):
         try:

@@ -42,15 +42,7 @@ def release() -> None:
 
 
 class Outlet:
-    """
-    One sink of Rerun.
-
-    Raises
-    ------
-    BearingTwinError
-        If Rerun refuses the sink.
-
-    """
+    """One sink of Rerun."""
 
     def __init__(self, recording_id: str, sink: Any, *, place: str | Path) -> None:
         self._place = place

@@ -53,15 +53,7 @@ def listening(pid: int) -> list[int]:
 
 
 def live_url(text: str) -> str:
-    """
-    Return the URL of a Rerun server from a URL, ADDRESS:PORT or PORT.
-
-    Raises
-    ------
-    BearingTwinError
-        If it is none of these.
-
-    """
+    """Return the URL of a Rerun server from a URL, ADDRESS:PORT or PORT."""
     if text.startswith(('rerun://', 'rerun+http://', 'rerun+https://')):
         with contextlib.suppress(ValueError):
             # A port that is no number is noticed when it is asked for.

@@ -44,15 +44,7 @@ POSE = (
 
 
 def check_pose(state: Any) -> None:
-    """
-    Refuse a TwinState of another version that does not say how the bearing stands.
-
-    Raises
-    ------
-    BearingTwinError
-        With the fields that it lacks.
-
-    """
+    """Refuse a TwinState of another version that does not say how the bearing stands."""
     if lacking := [field for field in POSE if not hasattr(state, field)]:
         msg = f'recorded with another TwinState, without {", ".join(lacking)}: no bearing is drawn'
         raise BearingTwinError(msg)
