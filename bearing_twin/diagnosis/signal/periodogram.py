@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.diagnosis.signal.stockham import (
     address,
     aligned,
+    is_quick,
     put,
     radices,
     ROW,
@@ -81,7 +82,7 @@ def _transform_lapping(x: Lapping, each: int) -> NDArray[np.float32]:
     # Of the rows that go together as many are of each part.
     fits = (r for r in _FIRST if r % number == 0 and count % r == 0 and lap <= count // r)
     radix = next(fits, 0)
-    if not radix or points % each or x.lap % each:
+    if not radix or points % each or x.lap % each or not is_quick(count):
         return transform_rows(x.joined().reshape(-1, ROW))
     parts = [np.ascontiguousarray(part) for part in x.parts]
     places = np.array([address(part) for part in parts])

@@ -26,6 +26,8 @@ def rng():
         (1440, 20, 3, 16),
         (1280, 20, 8, 12),
         (1280, 20, 8, 160),
+        # Passes of 16 would leave a prime length, 313.
+        (10_016, 20, 8, 64),
     ],
 )
 def test_power_of_lines_is_that_under_a_hann_window(rng, points, bands, parts, lap):
