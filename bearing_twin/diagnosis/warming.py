@@ -7,6 +7,7 @@ from __future__ import annotations
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
 from bearing_twin.diagnosis.record import diagnose_record
+from bearing_twin.diagnosis.signal.shaft import resample
 import numpy as np
 
 RATE, SHAFT_HZ = 25600, 25.0
@@ -31,3 +32,5 @@ def warm_up() -> None:
     diagnose_record(x, RATE, bearing, SHAFT_HZ)
     # Asked only beside the comb of another race, or where the cage leads.
     OrderSpectra.of_lines(np.ones(1)).line_power(np.ones(1), slice(1))
+    # Asked only where the speed varies.
+    resample(np.zeros(4), np.zeros(1))

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.diagnosis.signal.lines import without_highest
 from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
+from bearing_twin.numerics.compiled import compiled
 import numpy as np
 
 if TYPE_CHECKING:
@@ -223,9 +224,9 @@ class Turning(NamedTuple):
         return np.asarray(np.interp(angle[-1] / count * np.arange(count), angle, sample))
 
 
-def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[np.floating]:
+def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[np.float32]:
     """
-    Values at fractional positions along the first axis.
+    Values at fractional positions along the first axis, in single precision.
 
     Four-point Lagrange interpolation: third order, local, exact at whole positions.
 
@@ -241,15 +242,24 @@ def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[n
     True
 
     """
-    base = np.clip(np.floor(at).astype(np.intp), 1, len(values) - 3)
-    t = (at - base).astype(values.dtype).reshape(-1, *[1] * (values.ndim - 1))
-    weights = (
-        -t * (t - 1.0) * (t - 2.0) / 6.0,
-        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-        -(t + 1.0) * t * (t - 2.0) / 2.0,
-        (t + 1.0) * t * (t - 1.0) / 6.0,
-    )
-    found = np.zeros((len(at), *values.shape[1:]), values.dtype)
-    for shift, weight in enumerate(weights, start=-1):
-        found += values[base + shift] * weight
+    found = np.empty((len(at), *values.shape[1:]), np.float32)
+    rows = np.ascontiguousarray(values, np.float32).reshape(len(values), -1)
+    _interpolate(rows, at, found.reshape(len(at), -1))
     return found
+
+
+@compiled(borrows=True)
+def _interpolate(
+    values: NDArray[np.float32], at: NDArray[np.float64], found: NDArray[np.float32]
+) -> None:
+    """Write the rows between those of values, (N, C), at M positions to ``found``, (M, C)."""
+    one, two, six = np.float32(1.0), np.float32(2.0), np.float32(6.0)
+    for m in range(len(at)):
+        base = min(max(int(np.floor(at[m])), 1), len(values) - 3)
+        t = np.float32(at[m] - base)
+        w1, w2 = -t * (t - one) * (t - two) / six, (t + one) * (t - one) * (t - two) / two
+        w3, w4 = -(t + one) * t * (t - two) / two, (t + one) * t * (t - one) / six
+        row1, row2, row3, row4 = values[base - 1], values[base], values[base + 1], values[base + 2]
+        out = found[m]
+        for c in range(len(out)):
+            out[c] = w1 * row1[c] + w2 * row2[c] + w3 * row3[c] + w4 * row4[c]
