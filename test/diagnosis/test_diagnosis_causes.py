@@ -288,6 +288,27 @@ def test_another_speed_is_said_and_no_other_fault_is_named(rng, off, faults, why
     assert why in said.reasons[-1]
 
 
+@pytest.mark.parametrize('slip', [0.0, 0.01])
+@pytest.mark.parametrize(
+    ('marked', 'faults', 'rule'),
+    [
+        (('outer', 'inner'), {'inner', 'outer', 'ball'}, 'both_races'),
+        # The orders of both are as 2 to 3: the third line of the outer is the second of the inner.
+        (('outer',), {'outer'}, 'weak_modulation'),
+        (('inner',), {'inner'}, 'weak_modulation'),
+    ],
+)
+def test_faint_marks_on_both_races_are_of_no_race_alone(rng, slip, marked, faults, rule):
+    """A ball that is damaged marks both; nine balls pass both together nine times a turn."""
+    bearing = find_bearing('6205')
+    orders = fault_orders(bearing, slip)
+    x = rng.standard_normal(N)
+    for place in marked:
+        x += _strikes(np.arange(0.0, SECONDS, 1.0 / (orders.impacts(place) * SHAFT_HZ)), 2.7)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
+    assert (said.rule, said.level, set(said.faults)) == (rule, 'suspect', faults), said.reasons
+
+
 @pytest.mark.parametrize('given', ['6307', '6304'])
 def test_an_inner_race_beyond_the_orders_of_the_given_bearing_is_no_sideband(rng, given):
     """That of a 6205 has a sideband one order below, where an inner race of a 6304 strikes."""

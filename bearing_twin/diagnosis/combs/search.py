@@ -157,9 +157,9 @@ class CombSearch:
             return found
         return replace(found, shaft_sideband_ratio=self.sidebands.shaft_sideband_ratio(found))
 
-    def score_without(self, cause: Candidate, other: Candidate) -> float:
-        """Score of a comb at its order without the lines that a fault of the bearing explains."""
-        return float(self._scores.score(self.without(cause), np.array([other.order]))[0])
+    def score_without(self, cause: Candidate, *orders: float) -> float:
+        """Highest score of combs at orders without the lines that a fault of the bearing has."""
+        return float(self._scores.score(self.without(cause), np.array(orders)).max())
 
     def left_without(self, cause: Candidate, other: Candidate) -> float:
         """Score of a comb of a place without the lines of another, whatever makes that one."""

@@ -27,7 +27,7 @@ import math
 from typing import Any, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
-from bearing_twin.diagnosis.combs.candidate import Candidate, Claims, LoadZone
+from bearing_twin.diagnosis.combs.candidate import Candidate, Claims, LoadZone, RACES
 from bearing_twin.diagnosis.combs.comb_harmonics import CombHarmonics
 from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands
 from bearing_twin.diagnosis.thresholds import (
@@ -46,6 +46,7 @@ from bearing_twin.diagnosis.thresholds import (
     Z_FAULT,
     Z_SECOND_LOOK,
 )
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -546,11 +547,28 @@ class Evidence:
             return False
         # A comb an order beside the leading one, and lower, may be made of its shaft sidebands.
         sideband = (
-            comb.index < leading.index and self._combs.score_without(leading, comb) < Z_FAULT
+            comb.index < leading.index and self._combs.score_without(leading, comb.order) < Z_FAULT
         )
         if (shares_lines or sideband) and comb.z <= RIVAL * leading.z:
             return False
         return self._combs.left_without(comb, leading) < Z_FAULT
+
+    @_measured(undisturbed=None)
+    def other_race(self) -> Candidate | None:
+        """
+        Comb of the other race where the leading one is a race, and one cage makes both.
+
+        Of n balls n f pass a place of the outer race in a turn of the shaft, and n (1 - f) one of
+        the inner, with f turns of the cage: the orders add up to n at any slip and contact angle.
+        """
+        if self.leading.place not in RACES:
+            return None
+        [other] = (self.candidates[place] for place in RACES if place != self.leading.place)
+        order = self.bearing.n_balls - self.leading.order
+        # The orders of both are nearly as 2 to 3: a race has lines at multiples of the other's.
+        near = order + self.step * np.linspace(-1.0, 1.0, 5)
+        score = self._combs.score_without(self.leading, *near)
+        return replace(other, order=order) if score >= Z_SECOND_LOOK else None
 
     @_measured(undisturbed=())
     def others(self) -> tuple[Candidate, ...]:

@@ -149,6 +149,24 @@ def uncertain_second(e: Evidence) -> Verdict | None:
     return say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
 
 
+@rule(
+    'suspect', 'Weak combs of both races that one cage makes are of no single spall.', faint=True
+)
+def both_races(e: Evidence) -> Verdict | None:
+    if e.alarms or e.other_race is None:
+        return None
+    other, n_balls = e.other_race, e.bearing.n_balls
+    text = (
+        f'{other.place} shows too, at {other.order:.3f} orders: together {n_balls}, as one cage '
+        f'makes them with {n_balls} balls; a spall marks one race; a damaged ball, standstill, '
+        'mounting or currents mark both, and sound races may have waves'
+    )
+    places = (e.leading.place, other.place, 'ball')
+    beside = (str(c) for c in e.in_order[1:] if c.place != other.place)
+    texts = (*beside, text, NO_ALARM)
+    return say(e, *texts, about=e.leading, faults=places, candidates=e.told_apart)
+
+
 @rule('suspect', 'A significant comb that modulates the envelope little is no alarm.', faint=True)
 def weak_modulation(e: Evidence) -> Verdict | None:
     if e.alarms:

@@ -73,6 +73,7 @@ RULES: tuple[Rule, ...] = (
     elsewhere.extraneous,
     places.contested_comb,
     places.uncertain_second,
+    places.both_races,
     places.weak_modulation,
     elsewhere.smooth,
     elsewhere.whole_turns,

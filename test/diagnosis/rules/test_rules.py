@@ -196,6 +196,12 @@ CASES = {
         'fault',
         ('inner', 'outer'),
     ),
+    'both_races': (
+        Evidence.of(WEAK, other_race=OUTER),
+        'suspect',
+        'suspect',
+        ('inner', 'outer', 'ball'),
+    ),
     'weak_modulation': (Evidence.of(WEAK), 'suspect', 'suspect', ('inner',)),
     'smooth': (
         Evidence.of(INNER, smooth=True, half_turn=True),
@@ -233,7 +239,7 @@ def test_rules_without_a_statement_are_marked():
     silent = {name for name, (_, _, level, _) in CASES.items() if level == 'none'}
     assert silent - NOTHING_SHOWS == {'few_steps'}
     suspect = {name for name, (_, _, level, _) in CASES.items() if level == 'suspect'}
-    assert suspect & FAINT == {'weak_modulation', 'mostly_damaged'}
+    assert suspect & FAINT == {'both_races', 'weak_modulation', 'mostly_damaged'}
 
 
 def test_every_rule_has_a_case_and_a_sentence():
