@@ -37,10 +37,9 @@ class DiagnosisSettings:
     of the other, and for the 40 cage turns that a cage fault needs."""
     update_interval: float = quantity(1.0, 'Time between verdicts.', 's', 0.2, 60.0)
     unit: str = quantity(
-        '',
-        "Unit of the samples, 'm/s^2' or 'g'; '' to believe the message.",
+        '', "Unit of the samples, 'm/s^2' or 'g'; '' to believe the message.",
         choices=('', 'm/s^2', 'g'),
-    )
+    )  # fmt: skip
     memory: float = quantity(
         8.0, 'Span over which windows are averaged; at least the window.', 's', 1.0, 600.0
     )
@@ -50,19 +49,15 @@ class DiagnosisSettings:
     baseline_windows: int = quantity(
         60,
         'Healthy windows from which the baseline of the asset is learnt; at least 10 snapshots of '
-        'a series.',
-        '',
-        1,
-        10_000,
-    )
+        'a series.', '', 1, 10_000,
+    )  # fmt: skip
     power_group: int = quantity(
         0, 'Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW; 0: no zone.', '', 0, 2
     )
     mounting: str = quantity(
-        '',
-        "Foundation of the machine for the zone of ISO 20816-3; '': no zone.",
+        '', "Foundation of the machine for the zone of ISO 20816-3; '': no zone.",
         choices=('', 'rigid', 'flexible'),
-    )
+    )  # fmt: skip
 
     series_cycle: float = quantity(
         0.0,

@@ -210,34 +210,23 @@ class TwinParameters:
         'paper',
         'Temperature law. paper: beta0 of tables 1-3; whether impacts weaken depends on the '
         'preset. physical: ring temperatures and clearance; impacts weaken once the rings '
-        'have settled with the inner one hotter.',
-        choices=THERMAL_MODES,
-    )
+        'have settled with the inner one hotter.', choices=THERMAL_MODES,
+    )  # fmt: skip
     defects: tuple[Defect, ...] = ()
     load: float = quantity(500.0, 'Radial load on the bearing.', 'N', 10.0, 50e3)
     load_angle: float = quantity(
-        DOWN,
-        'Direction of the load on the shaft, from +x. The default is downwards.',
-        unit='rad',
-        low=-2.0 * math.pi,
-        high=2.0 * math.pi,
-    )
+        DOWN, 'Direction of the load on the shaft, from +x. The default is downwards.', 'rad',
+        -2.0 * math.pi, 2.0 * math.pi,
+    )  # fmt: skip
     clearance: float = quantity(
-        5e-6,
-        'Radial clearance (half the radial internal clearance) with both rings at the same '
+        5e-6, 'Radial clearance (half the radial internal clearance) with both rings at the same '
         'temperature: -5 to 50 um for a pitch diameter of 57.5 mm (6307), others in proportion.',
-        unit='m',
-        low=-50e-6,
-        high=500e-6,
-    )
+        'm', -50e-6, 500e-6,
+    )  # fmt: skip
     hertz_stiffness: float | None = quantity(
-        None,
-        'Hertz coefficient K_b0: radial force over deformation^1.5.',
-        unit='N/m^1.5',
-        low=1e8,
-        high=1e12,
+        None, 'Hertz coefficient K_b0: radial force over deformation^1.5.', 'N/m^1.5', 1e8, 1e12,
         special=(None, 'from the geometry'),
-    )
+    )  # fmt: skip
     contact_damping: float = quantity(
         300.0, 'Contact damping of a loaded ball.', 'N s/m', 0.0, 1500.0
     )
@@ -252,28 +241,17 @@ class TwinParameters:
         2210.7, 'Damping of the housing, vertical (C_2).', 'N s/m', 0.0, 1e6
     )
     outer_stiffness_x: float | None = quantity(
-        None,
-        'Stiffness of the housing, horizontal (K_1).',
-        unit='N/m',
-        low=1e5,
-        high=1e10,
+        None, 'Stiffness of the housing, horizontal (K_1).', 'N/m', 1e5, 1e10,
         special=(None, 'outer_stiffness'),
-    )
+    )  # fmt: skip
     outer_damping_x: float | None = quantity(
-        None,
-        'Damping of the housing, horizontal (C_1).',
-        unit='N s/m',
-        low=0.0,
-        high=1e6,
+        None, 'Damping of the housing, horizontal (C_1).', 'N s/m', 0.0, 1e6,
         special=(None, 'outer_damping'),
-    )
+    )  # fmt: skip
     unbalance: float = quantity(
-        0.0,
-        'Unbalance: mass times eccentricity, at most 1 mm times the mass of the rotor.',
-        unit='kg m',
-        low=0.0,
-        high=2.5e-2,
-    )
+        0.0, 'Unbalance: mass times eccentricity, at most 1 mm times the mass of the rotor.',
+        'kg m', 0.0, 2.5e-2,
+    )  # fmt: skip
     slip_model: SlipModel | None = quantity(
         None,
         'Cage slip: none, constant, mu_proportional (to the friction of table 3), or traction '
@@ -282,34 +260,24 @@ class TwinParameters:
         special=(None, 'mu_proportional with thermal mode paper, traction with physical'),
     )
     slip: float = quantity(
-        0.000965,
-        'Cage slip of the slip models constant and, at 20 degC, mu_proportional.',
-        low=0.0,
-        high=0.05,
-    )
+        0.000965, 'Cage slip of the slip models constant and, at 20 degC, mu_proportional.', '',
+        0.0, 0.05,
+    )  # fmt: skip
     start_angle: float = quantity(
-        DOWN,
-        'Angle of ball 0 and of the mark of the shaft at sample 0, from +x.',
-        unit='rad',
-        low=-2.0 * math.pi,
-        high=2.0 * math.pi,
-        running=False,
-    )
+        DOWN, 'Angle of ball 0 and of the mark of the shaft at sample 0, from +x.', 'rad',
+        -2.0 * math.pi, 2.0 * math.pi, running=False,
+    )  # fmt: skip
     jitter: float = quantity(
         0.005,
         'Standard deviation of the angle between two impacts, as a fraction of the ball spacing.',
-        low=0.0,
-        high=0.05,
-    )
+        '', 0.0, 0.05,
+    )  # fmt: skip
     # Sound machines: 0.2 (floor) to 0.7 m/s^2 on an unloaded motor, 3 to 6 on a loaded bench. A
     # good sensor alone has 0.003 (IEPE) to 0.1 (MEMS), but no machine is as quiet.
     noise: float = quantity(
-        0.5,
-        'Standard deviation of the white noise of sensor and rest of the machine.',
-        'm/s^2',
-        0.0,
-        100.0,
-    )
+        0.5, 'Standard deviation of the white noise of sensor and rest of the machine.', 'm/s^2',
+        0.0, 100.0,
+    )  # fmt: skip
     resonance_hz: float = quantity(
         6000.0, 'Resonance frequency of the sensor.', 'Hz', 500.0, 11000.0, special=(0.0, 'none')
     )
@@ -320,20 +288,15 @@ class TwinParameters:
         50e-6,
         'Waviness of races and balls: RMS velocity in each band of the vibration test of ISO '
         '15242. The default is chosen for a bearing of ordinary quality; no standard sets it.',
-        unit='m/s',
-        low=1e-6,
-        high=1e-3,
-        special=(0.0, 'perfect surfaces'),
-    )
+        'm/s', 1e-6, 1e-3, special=(0.0, 'perfect surfaces'),
+    )  # fmt: skip
     beta0: Beta0 = field(default_factory=Beta0)
     lubricant: Lubricant = field(default_factory=Lubricant)
     network: ThermalNetwork = field(default_factory=ThermalNetwork)
     friction_series: str | None = quantity(
-        None,
-        'Series of the SKF friction model.',
-        choices=tuple(SERIES),
+        None, 'Series of the SKF friction model.', choices=tuple(SERIES),
         special=(None, "the bearing's own"),
-    )
+    )  # fmt: skip
     dynamic_rating: float | None = quantity(
         None, 'C of ISO 281.', 'N', 10.0, 1e8, special=(None, 'from the geometry')
     )

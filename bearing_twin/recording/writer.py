@@ -43,34 +43,23 @@ class WriterOptions:
     split_size: int = 0
     """Bytes after which a bag folder goes on in a new file; 0: never."""
     split_duration: float = quantity(
-        0.0,
-        'Log time after which a new file is begun',
-        's',
-        0.0,
-        1e7,
-        special=(0.0, 'never'),
+        0.0, 'Log time after which a new file is begun', 's', 0.0, 1e7, special=(0.0, 'never'),
         running=False,
-    )
+    )  # fmt: skip
     storage_limit: int = 0
     """Most bytes the recording may take; 0: no limit."""
     delete_oldest: bool = quantity(
-        False,
-        'At the limit delete the oldest file of this recording instead of stopping; '
-        'needs max_bag_size or max_bag_duration.',
-        running=False,
-    )
+        False, 'At the limit delete the oldest file of this recording instead of stopping; '
+        'needs max_bag_size or max_bag_duration.', running=False,
+    )  # fmt: skip
     cache_size: int = 64 * 1024 * 1024
     """Most bytes that wait in memory while the disk takes none."""
     sync_period: float = quantity(
         5.0,
         'Interval of synchronising the files with the disk, in the background. A loss of power '
-        'costs at most this and flush_period',
-        's',
-        0.0,
-        3600.0,
-        special=(0.0, 'left to the operating system'),
-        running=False,
-    )
+        'costs at most this and flush_period', 's', 0.0, 3600.0,
+        special=(0.0, 'left to the operating system'), running=False,
+    )  # fmt: skip
 
 
 class RecordingWriter(MessageSink):

@@ -190,12 +190,9 @@ class Beta0:
         63.6, 'Reference hardness H0 of beta0.', 'HRC', 1.0, 100.0
     )
     reference_friction: float = quantity(
-        0.0150,
-        'Reference friction mu0 of beta0 and of the slip model mu_proportional.',
-        '',
-        1e-4,
+        0.0150, 'Reference friction mu0 of beta0 and of the slip model mu_proportional.', '', 1e-4,
         10.0,
-    )
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         if self.alpha_unit not in (1e-5, 1e-6):

@@ -77,12 +77,9 @@ class Lubricant:
         8.7e-6, 'Kinematic viscosity of the oil at 100 degC.', 'm^2/s', 2e-6, 5e-3
     )
     replenishment: float = quantity(
-        3e-8,
-        'Replenishment constant K_rs of SKF: 3e-8 low oil level, 6e-8 grease or oil spot.',
-        '',
-        0.0,
-        1e-6,
-    )
+        3e-8, 'Replenishment constant K_rs of SKF: 3e-8 low oil level, 6e-8 grease or oil spot.',
+        '', 0.0, 1e-6,
+    )  # fmt: skip
     boundary_friction: float = quantity(
         0.12, 'Friction coefficient of sliding with metallic contact.', '', 0.0, 0.5
     )
@@ -90,12 +87,9 @@ class Lubricant:
         0.05, 'Friction coefficient of sliding on a full film.', '', 0.0, 0.5
     )
     contamination: float = quantity(
-        0.5,
-        'Contamination factor e_C of ISO 281: 1 extreme cleanliness, 0 severe contamination.',
-        '',
-        0.0,
-        1.0,
-    )
+        0.5, 'Contamination factor e_C of ISO 281: 1 extreme cleanliness, 0 severe contamination.',
+        '', 0.0, 1.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_fields(self)

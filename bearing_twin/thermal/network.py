@@ -143,38 +143,25 @@ class ThermalNetwork:
     """
 
     inner_capacity: float | None = quantity(
-        None,
-        'Thermal mode physical: heat capacity of the inner ring.',
-        unit='J/K',
-        low=0.1,
-        high=1e6,
+        None, 'Thermal mode physical: heat capacity of the inner ring.', 'J/K', 0.1, 1e6,
         special=(None, '80 J/K of a 6307 times the cube of the pitch diameter over 57.5 mm'),
-    )
+    )  # fmt: skip
     ring_to_ring: float | None = quantity(
-        None,
-        'Thermal mode physical: conductance between the rings.',
-        unit='W/K',
-        low=1e-3,
-        high=1e4,
+        None, 'Thermal mode physical: conductance between the rings.', 'W/K', 1e-3, 1e4,
         special=(None, '2 W/K of a 6307 times the pitch diameter over 57.5 mm'),
-    )
+    )  # fmt: skip
     ring_to_shaft: float | None = quantity(
-        None,
-        'Thermal mode physical: conductance from inner ring to shaft.',
-        unit='W/K',
-        low=1e-3,
-        high=1e4,
+        None, 'Thermal mode physical: conductance from inner ring to shaft.', 'W/K', 1e-3, 1e4,
         special=(None, '8 W/K of a 6307 times the pitch diameter over 57.5 mm'),
-    )
+    )  # fmt: skip
     ambient: float = quantity(
         20.0, 'Thermal mode physical: temperature of the surroundings.', 'degC', -40.0, 110.0
     )
     shaft_ratio: float = quantity(
         1.1,
         'Thermal mode physical: rise of the shaft over ambient divided by that of the outer ring.',
-        low=0.0,
-        high=2.0,
-    )
+        '', 0.0, 2.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_fields(self)
