@@ -145,12 +145,7 @@ def build_fleet(values: Iterable[Mapping[str, Any]], *, threads: int = 1) -> Fle
     """
     Return twins at their start, in one fleet.
 
-    Parameters
-    ----------
-    values
-        Parameters of each twin; the shared ones are those of the first.
-    threads
-        Cores that the equations use.
+    Values that they share are those of the first; ``threads`` are cores that the equations use.
 
     Raises
     ------

@@ -78,13 +78,7 @@ class Stretch:
     """
     Consecutive samples by which windows move on, and what has been computed of them.
 
-    Parameters
-    ----------
-    samples
-        Shape (n,).
-    turning
-        Speed during each part of them.
-
+    They have the shape (n,), and a speed during each part of them.
     """
 
     def __init__(self, samples: NDArray[np.float64], turning: Turning) -> None:

@@ -107,20 +107,7 @@ def analyse_window(
     """
     Everything that is computed before windows are averaged and judged.
 
-    Parameters
-    ----------
-    segments
-        Segments of the window, oldest first.
-    layout
-        Their layout.
-    bearing
-        Geometry.
-    turning
-        Speed of the shaft during the window.
-    settings
-        See :class:`DiagnosisSettings`.
-    unit
-        Unit of the samples.
+    The segments come oldest first, in their layout, with the speed of the shaft during the window.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
@@ -133,7 +120,6 @@ def analyse_window(
     >>> window = analyse_window(segments, layout, bearing, turning, DiagnosisSettings())
     >>> window.revolutions, round(window.severity.rms, 1)
     (50.0, 1.0)
-
     """
     lap, bands = layout.lap // layout.step, layout.tree.bands
     slow = Lapping([segment.slow for segment in segments], lap).joined()

@@ -319,12 +319,7 @@ def check_layout(layout: MultiArrayLayout, channels: int, *, interleaved: bool) 
     """
     Refuse an array that says of itself that it is arranged in another way.
 
-    Parameters
-    ----------
-    layout
-        What the message says; many drivers leave it empty.
-    channels, interleaved
-        Parameters of the adapter.
+    Many drivers leave the layout empty.
 
     Raises
     ------

@@ -288,17 +288,8 @@ def verdict_status(
     """
     Status of the bearing.
 
-    Parameters
-    ----------
-    result
-        The last verdict; None before the first.
-    bearing
-        Name of the bearing.
-    age
-        Time since the last block that was used, s: a verdict does not stand without vibration.
-    overdue
-        Why the vibration that comes gives no verdict; '' if it does.
-
+    A verdict does not stand without vibration: ``age`` is the time since the last block that was
+    used, s. ``overdue`` says why vibration gives no verdict; '' if it does.
     """
     if result is None:
         known, kind = {'bearing': f'bearing {bearing}'}, 'overdue' if overdue else ''

@@ -23,16 +23,8 @@ class SnapshotWriter(MessageSink):
     It is used like a RecordingWriter. The bag folder is made at the first trigger; each further
     one goes on in a new file of it.
 
-    Parameters
-    ----------
-    path
-        Bag folder to make; it must not exist.
-    options
-        How it is written.
-    before, after
-        Time kept before a trigger and written after it, s.
-    memory
-        Most bytes of messages kept.
+    ``before`` and ``after`` a trigger, s, messages are written; those kept take ``memory`` bytes
+    at most.
 
     Raises
     ------

@@ -31,16 +31,7 @@ def disturbance(
     """
     Return what a machine adds to the vibration of its bearing, in no unit.
 
-    Parameters
-    ----------
-    machine
-        Name of :data:`MACHINES`, ``'pulses'`` or ``'impacts'``.
-    turns
-        Shaft turns since the beginning at each sample, shape (n,).
-    sample_rate
-        Hz.
-    rng
-        Source of all that is random.
+    ``turns`` are those of the shaft since the beginning at each sample, shape (n,).
 
     Returns
     -------

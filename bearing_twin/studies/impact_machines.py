@@ -145,13 +145,7 @@ def draw(number: int, *, misled: bool = False) -> Case:
     """
     Case of a number; the same number is the same case.
 
-    Parameters
-    ----------
-    number
-        Any.
-    misled
-        Whether the diagnosis is given another bearing, or a speed that is 3 to 5 % off.
-
+    If ``misled``, the diagnosis is given another bearing, or a speed that is 3 to 5 % off.
     """
     rng = np.random.default_rng([2027, number])
     name = list(RIGS)[number % len(RIGS)]

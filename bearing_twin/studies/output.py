@@ -25,15 +25,8 @@ def arguments(
     """
     Return a parser that says what a study does, which begins: freed memory is kept from here on.
 
-    Parameters
-    ----------
-    module
-        The study.
-    writes
-        Whether the file to write is the first argument.
-    counts
-        Numbers that may be given after that, in this order, with their defaults.
-
+    If it ``writes``, its file is the first argument; ``counts`` are numbers that may be given
+    after that, in this order, with their defaults.
     """
     keep_freed_memory()
     parser = argparse.ArgumentParser(

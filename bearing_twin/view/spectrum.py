@@ -71,13 +71,7 @@ def combs(spectrum: Any, diagnosis: Any = None) -> list[Comb]:
     """
     Return the combs of a spectrum: nominal ones of every family, the shaft's, the one found.
 
-    Parameters
-    ----------
-    spectrum
-        Spectrum message: the nominal frequencies.
-    diagnosis
-        Diagnosis message of the same window; None: nothing is known to be found.
-
+    The nominal frequencies are those of the Spectrum message; what is found, of its Diagnosis.
     """
     side = {'inner': spectrum.shaft_hz, 'ball': spectrum.ftf}
     base = {place: impacts(spectrum, place) for place in PLACES} | {'shaft': spectrum.shaft_hz}

@@ -48,13 +48,6 @@ class SeriesDiagnoser:
     sample index has run at the rate of each block; where the index starts anew, the next snapshot
     is one cycle after the last.
 
-    Parameters
-    ----------
-    bearing
-        Geometry.
-    settings
-        See :class:`DiagnosisSettings`.
-
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis import DiagnosisSettings
     >>> settings = DiagnosisSettings(series_cycle=600.0, series_snapshot=0.1, baseline_windows=10)
@@ -66,7 +59,6 @@ class SeriesDiagnoser:
     ...     said = [diagnoser.judge(excerpt.analyse()) for excerpt in due]
     >>> said[0].result, said[0].level, round(said[0].severity.level_over_baseline)
     ('ambiguous', 'fault', 16)
-
     """
 
     def __init__(self, bearing: Bearing, settings: DiagnosisSettings) -> None:

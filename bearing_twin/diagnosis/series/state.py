@@ -64,14 +64,7 @@ class Kept:
         """
         Rise at once, fall only after the level was low for long enough; tell whether it fell.
 
-        Parameters
-        ----------
-        time
-            Of the newest snapshot, s.
-        wanted
-            Level that it asks for.
-        least
-            How long the level is low before it falls, s.
+        Level wanted at ``time`` of the newest snapshot; ``least`` is how long it has to be low, s.
 
         Examples
         --------

@@ -40,13 +40,6 @@ class Lanes:
 
     Idle lanes of the last group repeat the last bearing.
 
-    Parameters
-    ----------
-    parameters : sequence of TwinParameters
-        One set a bearing.
-    sample_rate
-        Output rate, Hz.
-
     Examples
     --------
     Three bearings fill three of sixteen lanes:

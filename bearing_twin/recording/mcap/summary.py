@@ -113,13 +113,6 @@ def chunk_index(size: int, records: Iterable[tuple[RawRecord, bytes]]) -> NDArra
     """
     Return the places of the chunks that a summary names.
 
-    Parameters
-    ----------
-    size
-        Of the file, bytes.
-    records
-        Its chunk index records with their content.
-
     Returns
     -------
     ndarray

@@ -54,17 +54,8 @@ def layout(
     """
     Return the blueprint for what the scenes hold.
 
-    Parameters
-    ----------
-    scenes
-        By the title they are shown under.
-    timeline
-        Timeline to follow.
-    side_by_side
-        Whether scenes stand beside each other, to be compared, instead of on tabs.
-    page
-        Name of the page in front; '': the first.
-
+    Scenes come by the title they are shown under; ``side_by_side`` they are compared, instead of
+    on tabs. ``page`` is the name of the one in front; '': the first.
     """
     bearings = {title: scene for title, scene in scenes.items() if is_bearing(scene)}
     others = {title: scene for title, scene in scenes.items() if scene.contents}

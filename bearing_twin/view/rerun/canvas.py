@@ -98,19 +98,8 @@ class Canvas:
         """
         Hold samples of a time series for the next flush.
 
-        Parameters
-        ----------
-        name
-            Its entity.
-        times
-            Shape (n,), ns.
-        values
-            Shape (n,), or (n, k) for k lines.
-        label, colour, width
-            Look; k labels for k lines.
-        slow
-            Whether it can wait for a slow flush.
-
+        Values of shape (n,) at times in ns, or (n, k) for k lines, which have as many labels. What
+        is ``slow`` can wait for a slow flush.
         """
         if self.is_new(name):
             labels = [label] if isinstance(label, str) else list(label)

@@ -149,17 +149,8 @@ class RerunLogger:
         """
         Draw a message that was received at ``time_ns``; never raises.
 
-        Parameters
-        ----------
-        topic, type_name
-            ``/line3/bearing_7/vibration`` and ``pkg/msg/Type``.
-        message
-            Anything with the fields of the ROS message.
-        time_ns
-            When it was received, ns.
-        side
-            One of the `sides`, where there are any.
-
+        It is anything with the fields of the ROS message, of one of the `sides`, where there are
+        any.
         """
         if is_feature(topic):
             return

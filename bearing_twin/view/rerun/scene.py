@@ -103,17 +103,10 @@ class Scene:
         self, complain: Callable[[str, Exception], None], *, slow: bool, last: bool = False
     ) -> None:
         """
-        Send what is held; never raises.
+        Send what is held, ``slow`` lines too if asked; never raises.
 
-        Parameters
-        ----------
-        complain
-            Called with a topic and the reason where something cannot be drawn.
-        slow
-            Whether to send the slow lines too.
-        last
-            Whether the recording ends.
-
+        ``complain`` is called with a topic and why something cannot be drawn; ``last``: the
+        recording ends.
         """
         for (name, _), picture in self._pictures.items():
             try:
