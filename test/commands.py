@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Programs that a test runs to their end, and what a command has printed."""
+"""Programs that a test runs to their end, what a command has printed, memory."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import json
 import subprocess
 import sys
 from typing import Any
+
+import psutil
 
 
 def python(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
@@ -20,3 +22,8 @@ def python(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
 def json_lines(capsys: Any) -> list[Any]:
     """Return what a command has printed since the last call, as JSON line by line."""
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def resident(pid: int | None = None) -> int:
+    """Memory of a process, else of this one, bytes."""
+    return int(psutil.Process(pid).memory_info().rss)

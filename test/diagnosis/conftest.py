@@ -11,3 +11,9 @@ def good(tmp_path_factory):
     path = tmp_path_factory.mktemp('good') / 'inner.npz'
     np.savez(path, x=fault_signal(4.0), fs=RATE, rpm=60.0 * SHAFT_HZ)
     return path
+
+
+@pytest.fixture
+def rng(request):
+    """Return random numbers from the seed of a file of tests, or from 3."""
+    return np.random.default_rng(getattr(request.module, 'SEED', 3))

@@ -20,9 +20,7 @@ N = int(RATE * SECONDS)
 RING = np.exp(-600 * np.arange(400) / RATE) * np.sin(2 * np.pi * 4500 * np.arange(400) / RATE)
 
 
-@pytest.fixture
-def rng():
-    return np.random.default_rng(8)
+SEED = 8
 
 
 def _strikes(times, heights):

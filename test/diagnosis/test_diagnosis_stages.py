@@ -38,11 +38,6 @@ def _envelope_spectra(whitened, tree, *, max_hz, floor_width):
     )
 
 
-@pytest.fixture
-def rng():
-    return np.random.default_rng(3)
-
-
 def test_floor_of_exponential_noise_is_its_mean(rng):
     power = rng.exponential(2.5, 40_000).astype(np.float32)
     power[::50] *= 1e4  # lines must not lift it

@@ -7,15 +7,12 @@ from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.power import smallest_detectable
 import numpy as np
-import pytest
 
 RATE = 25_600.0
 SHAFT_HZ = 25.4
 
 
-@pytest.fixture
-def rng():
-    return np.random.default_rng(8)
+SEED = 8
 
 
 def _of_twin(x, shaft_hz):

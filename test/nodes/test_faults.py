@@ -8,7 +8,6 @@ import array
 from itertools import count
 import math
 import os
-from pathlib import Path
 import re
 import signal
 import subprocess
@@ -19,6 +18,7 @@ from bearing_twin.packed import unpack
 from bearing_twin.streams import statefile
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, TwinState, Vibration
 from builtin_interfaces.msg import Time
+from commands import resident
 from numpy.random import default_rng
 from probe import check_complete, DEEP, TIMEOUT
 import pytest
@@ -44,10 +44,6 @@ while not heard:
 print('hearing', flush=True)
 rclpy.spin(node)
 """
-
-
-def resident(pid):
-    return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE')
 
 
 def learnt_from(state):

@@ -7,7 +7,6 @@ from __future__ import annotations
 import array
 import math
 import os
-from pathlib import Path
 import random
 import time
 from typing import Any, TYPE_CHECKING
@@ -16,6 +15,7 @@ from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.processes.launching import NodeProcesses
 from bearing_twin.ros.topics.qos import CHECKPOINT, STREAM
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
+from commands import resident
 from fuzzing import SECONDS, until
 import pytest
 from rclpy.duration import Duration
@@ -26,6 +26,7 @@ from std_msgs.msg import Float32MultiArray, MultiArrayDimension
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 pytestmark = pytest.mark.ros
 
@@ -132,11 +133,6 @@ def mutated_bytes(message: Any, rng: random.Random) -> bytes:
     if rng.random() < 0.1:
         del data[rng.randrange(4, len(data)) :]
     return bytes(data)
-
-
-def resident(pid: int) -> int:
-    """Memory of a process, bytes."""
-    return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE')
 
 
 def publish_hostile(

@@ -4,24 +4,21 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.schedule import write_temperature_recording
+from commands import resident
 import numpy as np
 import pytest
 from soaking import AHEAD, BLOCK, NODES, RATE, soak, summary
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 MOST_GROWTH = 20_000_000
 """Memory that the second half of a run may take beyond the first, bytes."""
-
-
-def resident() -> int:
-    """Memory of this process, bytes."""
-    pages = Path('/proc/self/statm').read_text().split()[1]
-    return int(pages) * os.sysconf('SC_PAGE_SIZE')
 
 
 def test_two_minutes_offline(tmp_path: Path) -> None:

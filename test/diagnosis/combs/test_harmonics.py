@@ -30,9 +30,7 @@ COLUMNS = np.array([0, 1, 2])
 KNOWN = {'precision': 0.0005, 'uncertainty': 0.002}
 
 
-@pytest.fixture
-def rng():
-    return np.random.default_rng(31)
+SEED = 31
 
 
 def _strikes(order, rng, height=10.0, jitter=0.0):

@@ -7,11 +7,6 @@ import numpy as np
 import pytest
 
 
-@pytest.fixture
-def rng():
-    return np.random.default_rng(3)
-
-
 @pytest.mark.parametrize(
     ('points', 'bands', 'parts', 'lap'),
     [

@@ -7,11 +7,6 @@ import numpy as np
 import pytest
 
 
-@pytest.fixture
-def rng():
-    return np.random.default_rng(3)
-
-
 @pytest.mark.parametrize(
     'count', [1, 2, 8, 243, 11 * 13, 640, 1225, 1250, 1254, 1620, 2 * 1009, 5120, 6400]
 )
