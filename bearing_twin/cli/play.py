@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 from functools import partial
 import math
@@ -126,7 +127,9 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
             raise
         return 0 if args.loop else 143
     finally:
-        rclpy.try_shutdown()
+        # A signal may end the context at the same time, in a thread of rclpy's own.
+        with contextlib.suppress(RuntimeError):
+            rclpy.try_shutdown()
 
 
 @dataclass

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
+import contextlib
 import ctypes
 import os
 import signal
@@ -165,7 +166,9 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         finally:
             if node is not None:
                 node.shut_down()
-            rclpy.try_shutdown()
+            # A signal may end the context at the same time, in a thread of rclpy's own.
+            with contextlib.suppress(RCLError):
+                rclpy.try_shutdown()
     except ExternalShutdownException:
         return 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
