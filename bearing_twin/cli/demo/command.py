@@ -10,7 +10,6 @@ from datetime import datetime
 import json
 import os
 from pathlib import Path
-import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from bearing_twin.cli.demo.summary import summarise
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.mcap.schema import shared_folders
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.processes.launching import COMPILING, local_environment, NodeProcesses
 from bearing_twin.wholefile import free_path
@@ -99,11 +99,7 @@ def _choose_domain(asked: int | None) -> AbstractContextManager[int]:
 
 def shipped_schedule() -> Path:
     """Return the paper's schedule, from the working tree or from where it is installed."""
-    here = Path(__file__).parents[3]
-    # A colcon workspace is in no Python prefix; the ament index names it.
-    prefixes = [*os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep), sys.prefix]
-    shares = [Path(prefix) / 'share' / 'bearing_twin' for prefix in prefixes if prefix]
-    for folder in (here, *shares):
+    for folder in (Path(__file__).parents[3], *shared_folders('bearing_twin')):
         path = folder / 'recordings' / 'paper_schedule.mcap'
         if path.exists():
             return path

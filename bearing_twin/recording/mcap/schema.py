@@ -178,8 +178,8 @@ def _collect(type_name: str, texts: dict[str, str], store: Typestore) -> None:
 
 def _own_text(type_name: str) -> str:
     package, kind, name = _parts(type_name)
-    for folder in _prefixes():
-        path = folder / 'share' / package / kind / f'{name}.msg'
+    for folder in shared_folders(package):
+        path = folder / kind / f'{name}.msg'
         if path.is_file():
             return path.read_text(encoding='utf-8')
     if package == 'bearing_twin_msgs':
@@ -205,9 +205,11 @@ def _parts(type_name: str) -> tuple[str, str, str]:
     return parts[0], parts[1], parts[2]
 
 
-def _prefixes() -> list[Path]:
+def shared_folders(package: str) -> list[Path]:
+    """Return where a package may have put its shared files, those of the ament index first."""
+    # A colcon workspace is in no Python prefix; the ament index names it.
     listed = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
-    return [Path(prefix) for prefix in (*listed, sys.prefix) if prefix]
+    return [Path(prefix) / 'share' / package for prefix in (*listed, sys.prefix) if prefix]
 
 
 @cache
