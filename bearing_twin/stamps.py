@@ -17,10 +17,7 @@ def stamp_ns(stamp: Any) -> int:
     """
     Return the time of a stamp, ns.
 
-    Parameters
-    ----------
-    stamp
-        Any object with the fields of ``builtin_interfaces/Time``.
+    Any object with the fields of ``builtin_interfaces/Time`` has one.
 
     Examples
     --------

@@ -150,15 +150,8 @@ class StateTurns:
     """
     Choose the blocks whose state is published.
 
-    Parameters
-    ----------
-    rate
-        States a second; 0: one a block.
-    period
-        Of the blocks, s.
-    turn
-        Number of the twin: those of a fleet do not have their turns at once.
-
+    ``rate`` states a second are due, 0: one a block, and a block each ``period``, s. ``turn`` is
+    the number of the twin: those of a fleet do not have their turns at once.
     """
 
     def __init__(self, rate: float, period: float, turn: int = 0) -> None:

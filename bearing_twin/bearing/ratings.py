@@ -53,16 +53,7 @@ def basic_dynamic_rating(
     """
     Return the basic dynamic radial load rating C_r of a single row, N (ISO 281, 5.1).
 
-    Parameters
-    ----------
-    n_balls
-        Number of balls.
-    d_ball
-        Their diameter, m.
-    gamma
-        D_w cos(alpha) / D_pw.
-    contact_angle
-        alpha, rad.
+    ``gamma`` is D_w cos(alpha) / D_pw; the angle alpha is in rad, and the diameter of a ball in m.
 
     Examples
     --------

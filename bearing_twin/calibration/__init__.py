@@ -6,7 +6,8 @@ The twin fitted to its machine: path of the sensor, width of a defect, and what 
 In all functions of this room ``x`` is a record of one axis, shape (n,), at ``sample_rate``, Hz,
 and ``situation`` what is known of its machine. ``whole`` is its correlation over all lags,
 ``measured`` the summary over those of simulated defects, and ``longest`` the greatest time between
-the impacts of one passage that is looked for, s.
+the impacts of one passage that is looked for, s. ``unit`` is that of a record, '' if unknown,
+``refusal`` why a width is not told, and ``seed`` that of all draws.
 """
 
 from bearing_twin.calibration.answer.result import Calibration, Estimate

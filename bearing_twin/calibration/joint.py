@@ -75,12 +75,7 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     """
     Width of a passage that several records show, in closed form.
 
-    Parameters
-    ----------
-    here
-        Situation of the first of them.
-    seen
-        Impacts of the passage in each.
+    ``here`` is the situation of the first of them, and ``seen`` what each shows.
 
     Examples
     --------

@@ -263,10 +263,7 @@ class Residual:
         """
         Judge many decisions at once, each with those before it: the numbers of :meth:`judge`.
 
-        Parameters
-        ----------
-        differences
-            Machine minus twin, dB, shape (n, m), of the bands that were learnt.
+        The differences, machine minus twin, dB, are of the bands that were learnt, shape (n, m).
 
         Returns
         -------

@@ -36,12 +36,7 @@ def impact_amplitude(
     the load zone. The measure is made for an inner race defect; with a slower ``impact_hz`` than
     that of the impacts a period holds several, of which the largest counts.
 
-    Parameters
-    ----------
-    acceleration
-        m/s^2, shape (n,), at least one period long.
-    rate, impact_hz
-        Sample rate and impacts per second, Hz.
+    The acceleration, m/s^2, is at least one period of the impacts long; both rates are in Hz.
 
     Examples
     --------
@@ -80,12 +75,7 @@ def amplitude_change(parameters: TwinParameters, shaft_hz: float) -> float:
     noise and cage slip: slip moves the impacts against the shaft, which would hide the change in
     a record of 3 s.
 
-    Parameters
-    ----------
-    parameters
-        Of the twin.
-    shaft_hz
-        Shaft speed, Hz; below 1 Hz there are too few impacts, and the answer is NaN.
+    Below a ``shaft_hz`` of 1 Hz there are too few impacts, and the answer is NaN.
 
     Examples
     --------

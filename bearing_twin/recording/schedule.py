@@ -71,14 +71,7 @@ def load_trend(
     """
     Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.
 
-    Parameters
-    ----------
-    path
-        The file.
-    until
-        Time up to which it is taken, s from its start; None: all.
-    every
-        Least time between two readings that are taken, s; None: all.
+    It is taken up to ``until``, s from its start, a reading at most each ``every`` s; None: all.
 
     Raises
     ------

@@ -42,11 +42,7 @@ class PolledGroup(CallbackGroup):
 
     To wait for a topic costs 4 us each time, to ask whether it has a message 1 us.
 
-    Parameters
-    ----------
-    period
-        Longest that a message waits, s; less where the executor is awake anyway.
-
+    A message waits at most ``period`` seconds, and less where the executor is awake anyway.
     """
 
     def __init__(self, period: float) -> None:

@@ -111,15 +111,7 @@ class Pacer:
         return samples_ns(sample - self._anchor_sample, self.rate)
 
     def anchor(self, *, ticks: int, time: int) -> None:
-        """
-        Let the next block begin now.
-
-        Parameters
-        ----------
-        ticks, time
-            The pacing clock and the node's clock, ns.
-
-        """
+        """Let the next block begin now: ``ticks`` on the pacing clock, ``time`` on the node's."""
         self._tick_anchor = ticks
         self._time_anchor = time
         self._anchor_sample = self.next_sample

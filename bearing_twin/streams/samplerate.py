@@ -85,11 +85,7 @@ class RateMeter:
         """
         Compare the measured rate with the declared one.
 
-        Parameters
-        ----------
-        declared
-            Rate by parameter or message, Hz; above 0.
-
+        ``declared`` is that of a parameter or message, Hz; above 0.
         """
         measured = self.rate
         off = measured / declared - 1.0

@@ -46,14 +46,8 @@ def split_channels(
     """
     Return the samples of each channel, shape (channels, n).
 
-    Parameters
-    ----------
-    values
-        All values of one message, any shape.
-    channels
-        Channels in it.
-    interleaved
-        Whether a sample of every channel comes first (else one channel after the other).
+    Where they are ``interleaved`` a sample of every channel comes first, else a channel after the
+    other.
 
     Raises
     ------
@@ -78,11 +72,7 @@ class StampTracker:
     once they have shown it: stamps that jitter by over 0.2 periods (RMS) may begin with a gap that
     is none.
 
-    Parameters
-    ----------
-    rate
-        Sample rate, Hz; 0 to estimate it from the first stamps.
-
+    ``rate`` is in Hz; 0 to estimate it from the first stamps.
     """
 
     def __init__(self, rate: float) -> None:
@@ -229,15 +219,7 @@ class BlockBuilder:
         """
         Add samples and return the blocks that are full.
 
-        Parameters
-        ----------
-        samples
-            Shape (channels, n).
-        stamp
-            Time of the first of them, ns.
-        rate
-            Sample rate, Hz.
-
+        ``stamp``, ns, is that of the first sample; their shape is (channels, n).
         """
         blocks = []
         done = 0

@@ -47,13 +47,7 @@ class CycleStatistics:
         """
         Take note of one cycle.
 
-        Parameters
-        ----------
-        began
-            When it began on the clock that paces the cycles, s.
-        duration
-            How long it took, s.
-
+        It began at ``began`` on the clock that paces the cycles; both are in s.
         """
         if began > self._began:
             self._intervals.append(began - self._began)

@@ -190,17 +190,11 @@ def calibration_error(said: NDArray[np.float64], right: NDArray[np.float64]) -> 
     Few answers raise it, as the share right of each range is then uncertain: see
     :func:`square_error`.
 
-    Parameters
-    ----------
-    said
-        Confidence of each answer, 0 to 1.
-    right
-        1 where the answer is right, else 0.
+    ``said`` are the confidences of answers, 0 to 1, and ``right`` is 1 where one is right, else 0.
 
     >>> one = np.ones(4)
     >>> round(calibration_error(0.9 * one, one), 3)
     0.1
-
     """
     count, mean, share = _counts(said, right)
     return float(np.average(np.abs(mean - share), weights=count))

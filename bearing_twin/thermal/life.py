@@ -132,12 +132,8 @@ def life_factor(kappa: float, contamination_load: float) -> float:
     """
     Life modification factor a_ISO of radial ball bearings (ISO 281, equations 31-33), 0.1 to 50.
 
-    Parameters
-    ----------
-    kappa
-        Viscosity ratio. Above 4 the standard takes 4; below 0.1 it makes no statement: NaN.
-    contamination_load
-        ``e_C C_u / P``.
+    Above a viscosity ratio ``kappa`` of 4 the standard takes 4; below 0.1 it makes no statement:
+    NaN. ``contamination_load`` is ``e_C C_u / P``.
 
     Examples
     --------

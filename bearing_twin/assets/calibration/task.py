@@ -120,14 +120,8 @@ def revolutions(
     in two, and neither part tells where the twin is alike. The twin turns at an angle of its own;
     it is shown where it is most like the machine.
 
-    Parameters
-    ----------
-    machine
-        Vibration of at least three revolutions, shape (n,).
-    twin
-        Of at least two, shape (m,), at the same sample rate.
-    length
-        Samples of a revolution.
+    The vibration has at least three, and that of the twin two, at one rate; ``length`` is the
+    samples of one.
 
     Examples
     --------

@@ -44,11 +44,8 @@ class Verdicts:
 
     It holds for a record of the same sensor that ends when its window does, or a little later.
 
-    Parameters
-    ----------
-    bearing
-        The bearing; that of the diagnosis may have another name, or be given by its geometry.
-
+    ``bearing`` is the one that is calibrated; that of the diagnosis may have another name, or be
+    given by its geometry.
     """
 
     def __init__(self, bearing: Bearing) -> None:

@@ -49,17 +49,6 @@ def of_path(
     """
     Return the quantities of the sensor's path.
 
-    Parameters
-    ----------
-    x
-        The record, shape (n,).
-    path, modes
-        What was identified.
-    situation
-        Of the machine.
-    unit
-        Of the samples; '' if unknown.
-
     Examples
     --------
     >>> from bearing_twin.calibration.candidates.cloud import example
@@ -107,17 +96,6 @@ def of_defect(
 ) -> dict[str, Estimate]:
     """
     Return the quantities of a bearing with a race defect.
-
-    Parameters
-    ----------
-    left
-        What is left possible.
-    situation
-        Of the machine.
-    measured
-        Summary of the vibration.
-    refusal
-        Why the width is not told; None if it is.
 
     Examples
     --------
@@ -252,20 +230,8 @@ def without_defect(
     """
     Return the width of a defect that the record would have shown, and that in words.
 
-    Parameters
-    ----------
-    x
-        The record, shape (n,).
-    situation
-        Of the machine.
-    scale
-        m/s^2 of one unit of the samples; NaN if not known.
-    unit
-        Of the samples; '' if unknown.
-    seed
-        Of the draws.
-    refusal
-        Why the bearing may have a defect though none is fitted; None if it is healthy.
+    ``scale`` is m/s^2 of one unit of the samples, NaN if it is not known; ``refusal`` tells why
+    the bearing may have a defect though none is fitted.
 
     Examples
     --------
@@ -315,14 +281,7 @@ def supposed(
     """
     Return the quantities of a bearing without a race defect: what was supposed of them.
 
-    Parameters
-    ----------
-    values
-        Of each unknown, a value a candidate, shape (n,).
-    weights
-        Of the candidates, shape (n,).
-    situation
-        Of the machine.
+    ``values`` has a value a candidate of each unknown, and ``weights`` those of the candidates.
 
     Examples
     --------

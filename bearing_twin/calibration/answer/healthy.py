@@ -80,16 +80,8 @@ def comb(x: FloatArray, sample_rate: float, frequency: float, orders_of: float =
     """
     Return how far the comb of a frequency stands out of the squared envelope spectrum of a signal.
 
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    sample_rate
-        Hz.
-    frequency
-        Of the impacts, Hz; slip may move them by `SLIPPED`.
-    orders_of
-        Speed of the shaft, Hz, whose orders are left out, of a defect too; 0: none are.
+    Slip may move the ``frequency`` of the impacts, Hz, by `SLIPPED`. The orders of a shaft that
+    turns at ``orders_of``, Hz, are left out, also where they are a defect's; 0: none are.
 
     Examples
     --------
@@ -217,13 +209,6 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     nothing of an inner race, whose own sidebands are there: of 16 twins of a 6307 up to 15 have
     sidebands of half its line and more.
 
-    Parameters
-    ----------
-    x
-        Samples, shape (n,).
-    situation
-        Of the machine, with a defect of the outer race.
-
     Examples
     --------
     Noise that swells with orders 1 to 6; the outer race of a 6307 strikes 3.026 times a turn:
@@ -308,18 +293,7 @@ def smallest_shown(
     """
     Return the width above which race defects would have shown, and how many of them.
 
-    Parameters
-    ----------
-    measured
-        The record, shape (n,).
-    situation
-        Of the machine.
-    factor
-        From the record's unit to m/s^2.
-    louder_db
-        Most that the record is louder than that, dB.
-    seed
-        Of all draws.
+    Times ``factor`` the record is in m/s^2, or at most by ``louder_db``, dB, louder than that.
 
     Examples
     --------

@@ -98,13 +98,6 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     """
     Return why the part that is named does not strike in a record; None if it does.
 
-    Parameters
-    ----------
-    x
-        The record, shape (n,).
-    situation
-        Of the machine; its slip is not known.
-
     Examples
     --------
     >>> import numpy as np
@@ -244,14 +237,7 @@ def copied(x: FloatArray, situation: Situation, measured: Summary) -> Refusal | 
     A ball loses its load where it enters and gets it back where it leaves, so that both impacts
     differ in sign, unless it rolls on the bottom. Two pits, or an impact and its echo, do not.
 
-    Parameters
-    ----------
-    x
-        The record without its mean, shape (n,).
-    situation
-        Of the machine.
-    measured
-        Summary of the record, in which a second impact is seen.
+    The record has no mean, and its summary a second impact.
 
     Examples
     --------
@@ -283,17 +269,6 @@ def with_farther(
 
     A narrow defect repeats after the rest of the way to the next ball, too, but less clearly than
     after its own, because balls do not keep time. What repeats more clearly is no such rest.
-
-    Parameters
-    ----------
-    refusal
-        Of a shorter time.
-    whole
-        Correlation of the record over all times between impacts.
-    measured
-        Summary of the record.
-    situation
-        Of the machine.
 
     Returns
     -------
@@ -335,14 +310,8 @@ def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | N
     """
     Return why the candidates that were kept tell no width; None if they do.
 
-    Parameters
-    ----------
-    left
-        The candidates.
-    situation
-        Of the machine.
-    fastest
-        Highest frequency of a resonance that the impacts excite, Hz; NaN if none was found.
+    ``fastest`` is the highest frequency of a resonance that the impacts excite, Hz; NaN if none is
+    found.
 
     Examples
     --------

@@ -57,15 +57,6 @@ def in_words(place: str, width: Estimate, refusal: Kind | None = None) -> str:
     """
     Return place and width of a race defect in words.
 
-    Parameters
-    ----------
-    place
-        Of the defect.
-    width
-        Of the defect, mm.
-    refusal
-        Why the width is not told; None if it is.
-
     Examples
     --------
     >>> width = Estimate(q05=0.9, median=1.0, q95=1.2, unit='mm', identifiable=True, why='')

@@ -257,14 +257,7 @@ def simulate(situation: Situation, values: dict[str, FloatArray], seed: int) -> 
     """
     Simulate candidates and summarise the vibration of each.
 
-    Parameters
-    ----------
-    situation
-        What they have in common.
-    values
-        A value a candidate of each of `unknowns`, shape (n,).
-    seed
-        Of jitter and noise.
+    ``values`` has a value a candidate of each of `unknowns`.
 
     Examples
     --------

@@ -89,14 +89,9 @@ def impact_spacing(width: float, sinking: float, curvature: float) -> float:
     """
     Distance between unloading and loading of a ball over a slot, m; 0 where it is never unloaded.
 
-    Parameters
-    ----------
-    width
-        Of the slot along the rolling direction, m.
-    sinking
-        What unloads the ball: the interference, or the depth of the slot if that is less, m.
-    curvature
-        See `path_curvature`, 1/m.
+    ``width``, m, is that of the slot along the rolling direction; ``sinking``, m, what unloads the
+    ball: the interference, or the depth of the slot if that is less; ``curvature``, 1/m, see
+    `path_curvature`.
 
     Examples
     --------

@@ -158,16 +158,7 @@ def sample(
     """
     Draw from the posterior of what is not known about a machine with a defect.
 
-    Parameters
-    ----------
-    measured
-        Summary of the vibration, taken at ``situation.sample_rate``.
-    situation
-        What is known.
-    candidates
-        Simulated in each of two rounds.
-    seed
-        Of all draws.
+    In each of two rounds ``candidates`` are simulated.
 
     Examples
     --------

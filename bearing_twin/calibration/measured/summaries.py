@@ -244,14 +244,7 @@ def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
     the squared envelope a^2 / (1 + a^4), which is the prominence p: so the first is
     sqrt(p / (1 + 2 p)), however strong the second is. Noise takes from it.
 
-    Parameters
-    ----------
-    x
-        Samples without a mean, shape (n,).
-    sample_rate
-        Hz.
-    measured
-        Their summary, in which a second impact is seen.
+    The samples have no mean, and their summary a second impact.
 
     Examples
     --------

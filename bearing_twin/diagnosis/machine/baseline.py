@@ -64,10 +64,7 @@ def settled(window: Sequence[Sequence[float]]) -> Baseline | None:
     """
     Return the baseline of a window over which level and temperature stay; None if they move.
 
-    Parameters
-    ----------
-    window
-        Rows of time in s, temperature in degC, log2 of the speed in Hz and levels in dB.
+    A row of it is time in s, temperature in degC, log2 of the speed in Hz and levels in dB.
 
     Examples
     --------

@@ -160,12 +160,8 @@ def fit_law(
     once and warms the bearing later, and a film that follows the sensor late, go with the change
     of the temperature as well. Neither is known.
 
-    Parameters
-    ----------
-    levels
-        dB, shape (n,), in order of time.
-    temperatures, octaves
-        degC and log2 Hz, shape (n,); NaN where unknown.
+    The levels, dB, are in order of time; temperatures, degC, and octaves, log2 Hz, are NaN where
+    they are unknown.
 
     Examples
     --------

@@ -46,14 +46,7 @@ def is_urgent(level: str, velocity_rms: float, stage: int = 0) -> bool:
     That of a fault of stage 1 or 2 is known: combs of the bearing raised its level, and neither
     the vibration over the baseline nor a zone did.
 
-    Parameters
-    ----------
-    level
-        Of the diagnosis.
-    velocity_rms
-        mm/s; NaN where it is not known.
-    stage
-        Of the fault; 0 where it is not known.
+    The velocity, mm/s, is NaN and the stage 0 where they are not known.
 
     Examples
     --------

@@ -87,14 +87,7 @@ def rise_begins(levels: NDArray[np.float64], floor: float, reference: float) -> 
     Where an alarm is raised at the end, its last zero is the maximum likelihood estimate of the
     change.
 
-    Parameters
-    ----------
-    levels
-        dB, shape (n,), up to the alarm.
-    floor
-        Level before the change, dB.
-    reference
-        Half the smallest rise of interest, dB.
+    The levels, dB, end at the alarm; ``reference`` is half the smallest rise of interest.
 
     Examples
     --------

@@ -145,13 +145,8 @@ class Fleet:
         """
         Advance all by ``n`` samples while temperatures and speeds go to the values given.
 
-        Parameters
-        ----------
-        n
-            Samples, 1 to 2^20.
-        temperatures, shaft_hz
-            Values at the end of the block, one a bearing or one for all, degC and Hz.
-
+        ``n`` is 1 to 2^20 samples; temperatures, degC, and speeds, Hz, are those at the end of the
+        block, one a bearing or one for all.
         """
         if not 1 <= n <= 1 << 20:
             msg = f'block of {n} samples is outside 1..{1 << 20}'

@@ -57,17 +57,8 @@ def equations(constants: Any, tables: Any, contacts: Any, deepest: float) -> Equ
     """
     Put together what the equations of one bearing take.
 
-    Parameters
-    ----------
-    constants
-        One record `coefficients.CONSTANTS`.
-    tables
-        `kernel.Tables`.
-    contacts
-        `hertz.ellipses` of the bearing.
-    deepest
-        Greatest depth of its defects, m.
-
+    ``constants`` is a record of `coefficients.CONSTANTS`, ``tables`` `kernel.Tables`, ``contacts``
+    `hertz.ellipses` of the bearing, and ``deepest`` the greatest depth of its defects, m.
     """
     return Equations(constants, tables, contacts, deepest)
 

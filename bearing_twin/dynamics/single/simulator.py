@@ -216,14 +216,8 @@ class Simulator:
         """
         Advance by ``n`` samples while temperature and speed go to the values given.
 
-        Parameters
-        ----------
-        n
-            Samples, 1 to 2^24.
-        temperature
-            Outer ring temperature at the end of the block, degC, 20 to 110.
-        shaft_hz
-            Shaft speed at the end of the block, Hz, 0 to 500.
+        ``n`` is 1 to 2^24 samples; temperature of the outer ring, 20 to 110 degC, and speed, 0 to
+        500 Hz, are those at the end of the block.
 
         Raises
         ------

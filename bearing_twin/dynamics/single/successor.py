@@ -26,12 +26,8 @@ def successor(simulator: Simulator, parameters: TwinParameters) -> tuple[Simulat
     does. Here the motion is that of the new parameters from the first sample on, so that one
     signal can be faded into the other.
 
-    Parameters
-    ----------
-    simulator
-        Unchanged; gives phases, sample index, seed, temperature and speed.
-    parameters
-        Of the successor; the same bearing.
+    The simulator is left as it is; it gives phases, sample index, seed, temperature and speed. The
+    bearing of ``parameters`` is the same.
 
     Examples
     --------

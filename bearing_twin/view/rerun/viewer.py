@@ -169,11 +169,8 @@ class HeadlessViewer:
         """
         Wait until all has been loaded, or a server is caught up with, and show one moment.
 
-        Parameters
-        ----------
-        seconds
-            Moment on the timeline of the blueprint, from its beginning; None: the end, and what
-            comes after.
+        ``seconds`` are on the timeline of the blueprint, from its beginning; None: the end, and
+        what comes after.
 
         Raises
         ------
