@@ -176,7 +176,7 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
     )  # fmt: skip
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=256)
 def _tiling(tree: BandTree, reach: int) -> tuple[int, int, NDArray[np.float32]]:
     """
     Parts of a tile, bins of a part, and which products of tiles belong to a band.

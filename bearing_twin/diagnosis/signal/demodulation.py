@@ -283,7 +283,7 @@ def _spectrum(
     return transform(padded)
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=256)
 def _fade(lap: int) -> NDArray[np.float32]:
     """Rise by which a segment begins; with its mirror image the squares add up to one."""
     fade = np.sin(0.5 * np.pi * (np.arange(lap) + 0.5) / lap).astype(np.float32)

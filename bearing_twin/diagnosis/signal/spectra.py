@@ -55,7 +55,7 @@ def transform(x: NDArray[np.float32]) -> NDArray[np.complex64]:
     return joined
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=256)
 def _turns(count: int) -> NDArray[np.complex64]:
     """Turn of each line of a quarter of so many samples from one sample of the whole on."""
     turns = np.exp(-2j * np.pi / count * np.arange(count // 8 + 1))
@@ -167,7 +167,7 @@ def _ranked(
     return found[:, :columns]
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=256)
 def _over_middle(count: int) -> float:
     """One over the mean of the middle one of so many exponential variables, near the log of 2."""
     return 1.0 / float((1.0 / np.arange(count - count // 2, count + 1)).sum())

@@ -13,6 +13,7 @@ Compiled code of other files calls these functions: `compiled` knows this file b
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -35,7 +36,7 @@ _LARGEST = 13
 """Largest prime factor of a length whose lines are summed one by one, which takes its square."""
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=256)
 def turns(count: int) -> NDArray[np.float32]:
     """
     Cosine and sine of each of so many parts of a turn backwards, shape (count, 2).
@@ -103,7 +104,7 @@ def address(room: NDArray[np.float32]) -> int:
     return room.ctypes.data
 
 
-@functools.lru_cache(maxsize=16)
+@functools.lru_cache(maxsize=256)
 def radices(count: int) -> NDArray[np.intp]:
     """
     Factors of a length: those that go together, a four, then primes; at least one.
@@ -113,10 +114,12 @@ def radices(count: int) -> NDArray[np.intp]:
 
     """
     found = [] if count > 1 else [1]
-    for radix in (*_TOGETHER, 4, *range(2, count + 1)):
+    for radix in itertools.chain((*_TOGETHER, 4), itertools.count(2)):
         while count % radix == 0:
             found.append(radix)
             count //= radix
+        if count == 1:
+            break
     return np.array(found)
 
 
