@@ -415,15 +415,15 @@ def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float, tolerance: f
     Whether the lines of a comb were mistaken for the harmonics of the shaft.
 
     They can be where the comb's order is a whole number at the refined speed, and the fault has
-    sidebands at the turns of another speed: these look like the other multiples of a shaft, unless
-    a shaft explains them. The harmonics of a comb without sidebands are too few, as two of the
-    shaft's do not count; but half a bin apart the two speeds are one, and the clearer fault is
-    right.
+    sidebands at the turns of another speed: these look like the other multiples of a shaft. The
+    harmonics of a comb without sidebands are too few, as two of the shaft's do not count. Half a
+    bin apart the two speeds are one, and the clearer fault is right, unless all its lines are as
+    high, as those of strikes once a turn are.
     """
     same = 2.0 * abs(gap - 1.0) < 1.01 * at_given.step
     order = found.order / gap
     if not same and abs(order - round(order)) > 3.0 * at_given.step:
         return False
-    if sideband_ratio(at_given, found.order, found.band) < SWAY:
+    if sideband_ratio(at_given, found.order, found.band) < (1.0 / RIVAL if same else SWAY):
         return same
     return not spaced_by_shaft(at_given, found.order, np.array([found.band]), tolerance)
