@@ -8,7 +8,7 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import LEVELS
+from bearing_twin.bearing import LEVELS, PLACES
 from bearing_twin.diagnosis.machine.level import raised
 from bearing_twin.diagnosis.signal.severity import of_length
 
@@ -61,7 +61,8 @@ class Answers:
 
     def add(self, answer: Diagnosis) -> None:
         """Take an answer in."""
-        place = answer.faults[0] if len(answer.faults) == 1 and answer.level == 'fault' else ''
+        # An ambiguous alarm may be about a place and something else.
+        place = answer.result if answer.result in PLACES and answer.level == 'fault' else ''
         reason = answer.reasons[0] if answer.reasons else ''
         self.newest.append([answer.level, place, reason])
         del self.newest[:-NEWEST]

@@ -213,9 +213,10 @@ class AveragedEnvelope:
             scores += np.log1p(np.maximum(excess[:, rows], -0.9))
         # The envelope of a band has no lines above its width; the last rows are the highest.
         scores[self.power[:, rows] <= 0.0] = np.nan
-        shaft = np.abs(grid - np.rint(grid)) < 0.5 * min(resolution, 0.3)
+        # At whole orders a fault cannot be told from blades, a gear or the shaft. Their lines are
+        # as wide as the resolution, and share power with the bins beside them.
+        shaft = np.abs(grid - np.rint(grid)) < 0.5 * (min(resolution, 0.3) + STEP)
         orders = fault_orders(bearing)
-        # At whole orders a fault cannot be told from blades, a gear or the shaft.
         windows = {
             place: ~shaft & (np.abs(grid / order - 1.0) <= max(SLIP, 0.5 * STEP / order))
             for place in PLACES[:3]
