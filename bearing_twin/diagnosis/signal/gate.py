@@ -181,8 +181,8 @@ def check_extents(
     if turns < SHAFT_TURNS:
         reasons.append(
             f'{turns:.1f} shaft turns in {seconds:.3g} s: at least {SHAFT_TURNS:g} are needed, '
-            f'{SHAFT_TURNS / shaft_hz - seconds:.2g} s more, and {HEALTHY_TURNS:g} to call it '
-            f'healthy, {HEALTHY_TURNS / shaft_hz - seconds:.2g} s more'
+            f'{SHAFT_TURNS / shaft_hz - seconds:.3g} s more, and {HEALTHY_TURNS:g} to call it '
+            f'healthy, {HEALTHY_TURNS / shaft_hz - seconds:.3g} s more'
         )
     wanted = 8.0 * highest_order * shaft_hz
     if sample_rate < wanted:
