@@ -123,6 +123,23 @@ class CombSearch:
         index, band = self._index(spectra, order, 'inner')
         return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
 
+    def deepest_whole(self) -> Candidate | None:
+        """Comb at a multiple of the shaft that modulates most; None where none is significant."""
+        orders = np.arange(1.0, max(self._whole.top // 3.0, 1.0) + 1.0)
+        z = self._scores.score(self._whole, orders)
+        found = (
+            Candidate(
+                'elsewhere',
+                float(order),
+                0.0,
+                float(at),
+                *self._index(self._whole, float(order), 'inner'),
+            )
+            for order, at in zip(orders, z, strict=True)
+            if at >= Z_ELSEWHERE
+        )
+        return max(found, key=lambda c: c.index, default=None)
+
     def masked_candidate(self, place: str) -> Candidate | None:
         """
         Comb of a place that shows, but coincides with harmonics of the shaft.

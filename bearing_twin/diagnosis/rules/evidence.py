@@ -482,6 +482,14 @@ class Evidence:
         """Best comb at any order off the multiples of the shaft, whatever makes it."""
         return self._combs.strongest_anywhere(beyond=not self.remaining)
 
+    @_measured(undisturbed=None)
+    def each_turn(self) -> Candidate | None:
+        """Strong impacts in time with the shaft, which no load modulates so; None of none."""
+        comb = self._combs.deepest_whole()
+        if comb is None or comb.index < INDEX_FAULT:
+            return None
+        return None if self._harmonics.smooth(comb, masked=True) else comb
+
     @_measured(undisturbed=False)
     def elsewhere_sways(self) -> bool:
         """Whether that comb has sidebands of the shaft, as of a part that turns."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.combs.candidate import RACES
-from bearing_twin.diagnosis.rules.rule import rule
+from bearing_twin.diagnosis.rules.rule import EVEN, rule
 from bearing_twin.diagnosis.rules.verdict import NO_ALARM, say, unless_loose
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL, SLIP_COST, SWAY
@@ -150,7 +150,10 @@ def uncertain_second(e: Evidence) -> Verdict | None:
 
 
 @rule(
-    'suspect', 'Weak combs of both races that one cage makes are of no single spall.', faint=True
+    'suspect',
+    'Weak combs of both races that one cage makes are of no single spall.',
+    faint=True,
+    at_most=EVEN,
 )
 def both_races(e: Evidence) -> Verdict | None:
     if e.alarms or e.other_race is None:
@@ -162,7 +165,7 @@ def both_races(e: Evidence) -> Verdict | None:
         'mounting or currents mark both, and sound races may have waves'
     )
     places = (e.leading.place, other.place, 'ball')
-    beside = (str(c) for c in e.in_order[1:] if c.place != other.place)
+    beside = (str(c) for c in e.in_order[1:] if abs(c.order - other.order) > 2.0 * e.step)
     texts = (*beside, text, NO_ALARM)
     return say(e, *texts, about=e.leading, faults=places, candidates=e.told_apart)
 

@@ -50,6 +50,7 @@ RULES: tuple[Rule, ...] = (
         elsewhere.masked_candidate,
         elsewhere.low_bands,
         elsewhere.impacts_elsewhere,
+        elsewhere.strikes_each_turn,
         no_comb.few_steps,
         no_comb.bursts,
         no_comb.mostly_damaged,

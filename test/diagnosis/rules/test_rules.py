@@ -92,6 +92,12 @@ CASES = {
         'suspect',
         (),
     ),
+    'strikes_each_turn': (
+        Evidence.of(each_turn=comb('elsewhere', order=3.0, z=8.1, index=1.4)),
+        'suspect',
+        'suspect',
+        (),
+    ),
     'few_steps': (Evidence.of(steps=1.9, kurtosis=500.0), 'insufficient', 'none', ()),
     'bursts': (Evidence.of(kurtosis=6.0), 'suspect', 'suspect', ()),
     'mostly_damaged': (
