@@ -10,7 +10,7 @@ from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import named_bearing
+from bearing_twin.bearing import fault_orders, named_bearing, next_step, PLACES
 from bearing_twin.cli.signal_arguments import given_bearing
 from bearing_twin.cli.terminal import by_level, clear_progress, lined_up, plain, progress, wrapped
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
@@ -45,6 +45,7 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     bearing: Bearing | None = None
     said = ''
     unread: list[BearingTwinError] = []
+    speeds: list[float] = []
     snapshots = read_snapshots(
         files,
         channel=args.channel,
@@ -59,6 +60,7 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
             bearing = _bearing(args, signal.bearing or signal.bearing_name)
             monitor = SeriesMonitor(bearing, settings)
         hertz = signal.shaft_hz if math.isnan(shaft_hz) else shaft_hz
+        speeds.append(hertz)
         point = monitor.add(
             snapshot.time,
             signal.x,
@@ -82,7 +84,7 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     if args.json:
         print(json.dumps({'series': said, **summary}))
     else:
-        print(_page(said, report, summary))
+        print(_page(said, report, summary, _looked_for(bearing, speeds)))
     return 1 if unread else 0
 
 
@@ -124,7 +126,38 @@ def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
     return found
 
 
-def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
+def _looked_for(bearing: Bearing | None, speeds: list[float]) -> list[tuple[str, str]]:
+    """Rows of the speed, and of the orders and frequencies of the bearing."""
+    known = [hertz for hertz in speeds if hertz > 0.0]
+    if not known:
+        return [('speed', 'unknown: give --rpm')]
+    low, high = min(known), max(known)
+    same = high - low < 1e-3 * high
+    speed = f'{high:.4g}' if same else f'{low:.4g} to {high:.4g}'
+    rows = [('speed', f'{speed} Hz')]
+    if bearing is not None:
+        orders = fault_orders(bearing)
+        each = ((place, orders.impacts(place)) for place in PLACES)
+        rows += [
+            ('' if number else 'looked for', f'{place:<5} {order:.3f} orders'
+             + (f', {order * high:.4g} Hz' if same else ''))
+            for number, (place, order) in enumerate(each)
+        ]  # fmt: skip
+    return rows
+
+
+def _to_do(report: SeriesReport) -> str:
+    """Say what to do next."""
+    if report.level == 'fault':
+        step = next_step(report.place or 'ambiguous', 1, urgent=not report.place)
+    else:
+        step = next_step({'ok': 'healthy', 'suspect': 'suspect'}.get(report.level, 'insufficient'))
+    return step[0].upper() + step[1:]
+
+
+def _page(
+    said: str, report: SeriesReport, summary: dict[str, Any], looked_for: list[tuple[str, str]]
+) -> str:
     def when(seconds: float) -> str:
         return 'never' if math.isnan(seconds) else _clock(seconds - start)
 
@@ -139,6 +172,7 @@ def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
         ('level', by_level(report.level, report.level)
          + (f', place {report.place}' if report.place else '')),
         ('bearing', summary['bearing'] or 'unknown'),
+        *looked_for,
         ('baseline', base),
         ('change', when(report.change)),
         ('alarm', f'{when(report.first_alarm)}; fault {when(report.first_fault)}; '
@@ -146,6 +180,7 @@ def _page(said: str, report: SeriesReport, summary: dict[str, Any]) -> str:
          + f'the level changed {report.changes} times'),
         ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend:+.2g} dB/h'),
         *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
+        ('next step', _to_do(report)),
     ]  # fmt: skip
     head = wrapped('', f'from {said} on: {len(points)} snapshots in {length}')
     return '\n'.join([by_level('\n'.join(head), 'bold'), *lined_up(rows)])

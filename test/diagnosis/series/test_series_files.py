@@ -96,6 +96,9 @@ def test_series_of_many_files_in_a_folder(tmp_path, capsys):
     assert 'fault' in rows['level']
     assert rows['change'].split(maxsplit=1)[1] == '5 h'
     assert '40 snapshots in 6 h 30 min' in ' '.join(text.split())
+    assert rows['speed'].split(maxsplit=1)[1] == '30 Hz'
+    assert 'outer 3.585 orders, 107.5 Hz' in text
+    assert 'Find the cause of the high vibration' in rows['next']
     # A path has no place to be broken.
     assert max(len(line) for line in text.splitlines() if str(tmp_path) not in line) <= 80
     assert main(args) == 1
