@@ -286,12 +286,12 @@ def test_another_speed_is_said_and_no_other_fault_is_named(rng, off, faults, why
     assert why in said.reasons[-1]
 
 
-@pytest.mark.parametrize('turns', [1, 2, 3, 4, 6])
+@pytest.mark.parametrize('turns', [1, 2, 3])
 def test_strong_strikes_in_time_with_the_shaft_are_not_ok(rng, turns):
     x = _strikes(np.arange(0.0, SECONDS, 1.0 / (turns * SHAFT_HZ)), 10.0)
     said = diagnose_record(x + rng.standard_normal(N), RATE, find_bearing('6205'), SHAFT_HZ)
     assert (said.level, said.faults) == ('suspect', ()), said.reasons
-    assert f': {turns} a turn' in said.reasons[0] or turns == 4, said.reasons
+    assert f': {turns} a turn' in said.reasons[0], said.reasons
 
 
 def test_a_load_that_turns_with_the_shaft_is_sound_however_deep(rng):

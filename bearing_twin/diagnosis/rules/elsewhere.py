@@ -57,14 +57,17 @@ def impacts_elsewhere(e: Evidence) -> Verdict | None:
     return _elsewhere(e, 'fit no part of') if e.strikes_elsewhere else None
 
 
-@rule('suspect', 'Strong impacts in time with the shaft are of something beside the bearing.')
+@rule(
+    'suspect',
+    'Impacts in time with the shaft, deeper than a load makes, are of something else.',
+)
 def strikes_each_turn(e: Evidence) -> Verdict | None:
     if e.each_turn is None:
         return None
     text = (
-        f'{e.each_turn}: {round(e.each_turn.order)} a turn of the shaft; a coupling, looseness, a '
-        'rub, a key or a tooth of a gear? No part of the bearing strikes in time with the shaft, '
-        'but this may hide one that does not'
+        f'{e.each_turn}: {round(e.each_turn.order)} a turn of the shaft, deeper than any load '
+        'modulates; a coupling, looseness, a rub, a key or a tooth of a gear? No part of the '
+        'bearing strikes in time with the shaft, but this may hide one that does not'
     )
     return say(e, text)
 

@@ -36,6 +36,7 @@ from bearing_twin.diagnosis.thresholds import (
     INDEX_FAULT,
     INDEX_NOISE,
     INDEX_NOISE_TURNS,
+    INDEX_SMOOTH,
     INDEX_SOUND,
     LOAD_ZONE,
     RIPPLE,
@@ -484,9 +485,9 @@ class Evidence:
 
     @_measured(undisturbed=None)
     def each_turn(self) -> Candidate | None:
-        """Strong impacts in time with the shaft, which no load modulates so; None of none."""
+        """Impacts in time with the shaft, deeper than any load modulates; None of none."""
         comb = self._combs.deepest_whole()
-        if comb is None or comb.index < INDEX_FAULT:
+        if comb is None or comb.index <= INDEX_SMOOTH:
             return None
         return None if self._harmonics.smooth(comb, masked=True) else comb
 
