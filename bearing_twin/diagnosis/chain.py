@@ -393,8 +393,7 @@ class Analysis:
         # under which the fault shows more clearly is then the right one. Places that do not part
         # at the given speed show nothing more clearly: so do the lines of a loose shaft beside it.
         apart = abs(speed.shaft_hz / given_hz - 1.0)
-        least_sure = max(speed.uncertainty, apart)
-        given = speed._replace(shaft_hz=given_hz, uncertainty=least_sure, score=0.0)
+        given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
         at_given = accumulate([each.at_given_speed() for each in windows])
         at_this, gap = evidence(at_given, given), speed.shaft_hz / given_hz
         mistaken = partial(_mistaken, at_given, gap=gap, tolerance=speed.tolerance)

@@ -22,20 +22,17 @@ def _drifting(place, drift, seed, order=None, shaft=0.3, strength=0.8):
     for harmonic in (1, 2, 3, 4):
         x += shaft * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
     if place:
-        of_shaft = place in ('coupling', 'jaws')
-        if of_shaft:
+        if place == 'coupling':
             order = order or 3.0
         elif order is None:
             order = fault_orders(find_bearing('6206'), 0.01).impacts(place)
         strikes = int(turns[-1] * order) - 2
         gaps = 1.0 + 0.005 * rng.standard_normal(strikes)
         # A part of the shaft keeps time with it.
-        at = (gaps + np.arange(strikes) if of_shaft else np.cumsum(gaps)) / order
+        at = (gaps + np.arange(strikes) if place == 'coupling' else np.cumsum(gaps)) / order
         heights = 1.0 + 0.2 * rng.standard_normal(len(at))
-        if place in ('inner', 'jaws'):
-            # Jaws of a coupling that is not aligned do not strike alike.
-            depth = 0.7 if place == 'inner' else 0.25
-            heights *= 1.0 + depth * np.cos(2.0 * np.pi * at)
+        if place == 'inner':
+            heights *= 1.0 + 0.7 * np.cos(2.0 * np.pi * at)
         impacts = np.zeros(count)
         index = np.searchsorted(turns, at)
         np.add.at(impacts, index[index < count], heights[index < count])
@@ -98,16 +95,6 @@ def test_impacts_a_whole_number_of_times_a_turn_name_no_race_beside_it(drift, sh
         if said.level == 'fault' and said.result in PLACES:
             named.append((turns, name, off, said.reasons))
     assert len(named) <= 1, named
-
-
-@pytest.mark.parametrize('place', ['coupling'])
-@pytest.mark.parametrize(('turns', 'name'), [(3, '6203'), (3, '6305'), (5, '6203'), (5, '6305')])
-def test_a_coupling_is_no_alarm_where_the_given_speed_is_a_little_off(place, turns, name):
-    """Three strikes of it look like those of an outer race, five like those of an inner one."""
-    for seed, (off, shaft) in enumerate(product((-0.002, 0.001, 0.003), (0.0, 0.1))):
-        x, rate = _drifting(place, 0.0, seed, float(turns), shaft)
-        said = diagnose_record(x, rate, find_bearing(name), 24.6 * (1.0 + off))
-        assert said.level != 'fault', (off, shaft, said.reasons)
 
 
 @pytest.mark.parametrize('name', ['6307', '6203'])

@@ -71,11 +71,12 @@ class CombHarmonics:
     ) -> None:
         self._whole, self._spectra = whole, whole.off_shaft
         self._expected, self._scores, self._sidebands = expected, scores, sidebands
-        self._speed = speed
+        self._shaft_hz, self._tolerance = speed.shaft_hz, speed.tolerance
         # Six harmonics of the shaft place its speed within a sixth of a bin of the first.
         found = whole.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
-        self._measured = speed.tolerance <= STEADY
-        self._precision = 0.0 if self._measured else min(speed.uncertainty, found)
+        measured = speed.tolerance <= STEADY
+        self._spread = 0.0 if measured else speed.spread
+        self._precision = 0.0 if measured else min(speed.uncertainty, found)
         self._columns: dict[float, NDArray[np.intp]] = {}
         self._multiples: dict[float, int] = {}
 
@@ -158,43 +159,28 @@ class CombHarmonics:
         """
         How often a part of the shaft would strike in a turn to make a comb; 0 if none can.
 
-        It can at a whole number of turns of a speed that is tolerated and fits the lines of the
-        shaft about as well, and where the speed moves so that the comb smears over it. What passes
-        a load zone is an inner race, unless its sidebands are as high as its own lines and fit the
-        shaft as well.
+        It can at a whole number within the uncertainty of a speed that neither a measurement nor
+        the lines of the shaft tell, and where the speed moves so that the comb smears over it.
+        What passes a load zone is an inner race, unless its sidebands are as high as its own lines
+        and fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
         inner, alike = candidate.place == 'inner', self._sidebands.alike(candidate)
-        speed, step = self._speed, self._whole.step
         if inner and self._sidebands.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE:
+            if not self._spread or not alike:
+                return 0
             columns = np.array([candidate.band])
-            fits = alike and spaced_by_shaft(self._whole, order, columns, speed.tolerance)
-            return turns if fits else 0
+            return turns if spaced_by_shaft(self._whole, order, columns, self._tolerance) else 0
         # Strikes once a turn have all lines alike, and look sharp where the speed moves a little.
-        once = alike and not inner
-        if not turns or (candidate.place == 'ball' and not once):
+        strikes = alike and not inner
+        if not turns or self._spread <= (0.0 if strikes else _SHARP * self._whole.step):
             return 0
-        found, uncertainty = math.isfinite(speed.spread), self._expected.uncertainty
-        sharp = self._measured or speed.spread <= _SHARP * step
-        if sharp and found and not once:
-            tells = speed.tells_from(order / turns * speed.shaft_hz)
-            return 0 if tells or self.speed_over_slip(candidate) > RIVAL else turns
-        moves = speed.spread if found and not self._measured else 0.0
-        slack = max(moves, uncertainty) if once else moves or uncertainty
-        # The highest harmonic of a comb places it within an eighth of a bin.
-        near = abs(order - turns) <= slack * order + step / (2.0 * HARMONICS)
-        return turns if near or (not sharp and self._reaches(order, turns)) else 0
-
-    def speed_over_slip(self, candidate: Candidate) -> float:
-        """
-        How far off the given speed is if a comb is a whole number of turns, over the slip if not.
-
-        Below 1 strikes of the shaft ask for less than a fault of the bearing does.
-        """
-        order = candidate.order / self._whole.given
-        off = order / round(candidate.order) - 1.0
-        slip = order / self._expected.of(candidate.place)[0] - 1.0
-        return abs(off) / max(abs(slip), 1e-9)
+        spread = self._spread if math.isfinite(self._spread) else 0.0
+        uncertainty = self._expected.uncertainty
+        slack = max(spread, uncertainty) if strikes else spread or uncertainty
+        if abs(order - turns) > slack * order and not self._reaches(order, turns):
+            return 0
+        return turns if strikes or candidate.place != 'ball' else 0
 
     def _reaches(self, order: float, whole: float) -> bool:
         """Whether a comb is half as clear at all orders from its own to a whole one."""
@@ -210,7 +196,7 @@ class CombHarmonics:
         multiple. Where the comb is the series itself, nothing tells it from a fault.
         """
         for hertz in MAINS_HZ:
-            pulses = 2.0 * hertz / self._speed.shaft_hz
+            pulses = 2.0 * hertz / self._shaft_hz
             multiple = max(round(candidate.order / pulses), 1)
             if abs(candidate.order - multiple * pulses) > self._whole.step:
                 continue

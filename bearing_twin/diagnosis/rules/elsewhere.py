@@ -131,18 +131,16 @@ def smooth(e: Evidence) -> Verdict | None:
     return say(e, text, about=e.leading)
 
 
-@rule(
-    'ambiguous',
-    'Strikes a whole number of times a turn, as of a coupling, explain the comb as well.',
-    at_most=EVEN,
-)
-def shaft_strikes(e: Evidence) -> Verdict | None:
-    return _strikes(e) if e.leading.place in e.loose else None
-
-
 @rule('ambiguous', 'What strikes a whole number of times a turn may be a part of the shaft.')
 def whole_turns(e: Evidence) -> Verdict | None:
-    return _strikes(e)
+    # A name at an unlikely slip is no alarm and asks for the speed itself.
+    if e.leading.slip > UNLIKELY_SLIP or not e.whole_turns:
+        return None
+    text = (
+        f'the shaft speed is not known well enough to tell it from {e.whole_turns} impacts a '
+        'turn, as of a coupling; give a measured speed'
+    )
+    return say(e, text, about=e.leading, level=unless_loose(e, e.leading))
 
 
 @rule('suspect', "A comb with sidebands of another bearing's cage is that of its ball.")
@@ -155,18 +153,6 @@ def another_cage(e: Evidence) -> Verdict | None:
         'bearing and speed'
     )
     return say(e, text, about=e.leading)
-
-
-def _strikes(e: Evidence) -> Verdict | None:
-    """Verdict on a comb that strikes of the shaft, a whole number of times a turn, may make."""
-    # A name at an unlikely slip is no alarm and asks for the speed itself.
-    if e.leading.slip > UNLIKELY_SLIP or not e.whole_turns:
-        return None
-    text = (
-        f'neither the speed nor the lines of the shaft tell it from {e.whole_turns} strikes a '
-        'turn, as of a coupling: compare with a tachometer, or record longer'
-    )
-    return say(e, text, about=e.leading, level=unless_loose(e, e.leading))
 
 
 def _elsewhere(e: Evidence, what: str) -> Verdict:

@@ -531,18 +531,9 @@ class Evidence:
 
     @_measured(undisturbed=frozenset())
     def loose(self) -> frozenset[str]:
-        """
-        Places whose comb strikes of the shaft explain as well as a fault does.
-
-        They may be once a turn, where the other turns show as high. At several a turn the given
-        speed must be off by clearly less than the fault slips.
-        """
-        found = (c for c in self._races_and_balls if self._harmonics.whole_turns(c))
-        return frozenset(
-            c.place
-            for c in found
-            if self._sidebands.alike(c) or self._harmonics.speed_over_slip(c) * RIVAL < 1.0
-        )
+        """Places whose comb may be of strikes once a turn: the other turns show as high."""
+        found = (c for c in self._races_and_balls if self._sidebands.alike(c))
+        return frozenset(c.place for c in found if self._harmonics.whole_turns(c))
 
     smooth = _of_leading('_harmonics', CombHarmonics.smooth, undisturbed=False)
     half_turn = _of_leading('_harmonics', CombHarmonics.half_turn, undisturbed=False)

@@ -77,7 +77,6 @@ RULES: tuple[Rule, ...] = (
     places.both_races,
     places.weak_modulation,
     elsewhere.smooth,
-    elsewhere.shaft_strikes,
     elsewhere.whole_turns,
     elsewhere.another_cage,
     places.fault,

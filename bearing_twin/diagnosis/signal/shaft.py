@@ -26,8 +26,6 @@ _MARGIN = 3.0
 _BESIDE = np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
 """Combs of the null over the speed: well away from the shaft and from its simple fractions."""
 _STEADY = 0.005
-_AS_CLEAR = 1.5
-"""Factor in score within which two speeds are about as clear."""
 _FACTOR = 4.0
 """Most by which a given speed is thought to be wrong: motors have 2, 4, 6 or 8 poles."""
 _OTHERS = 2
@@ -43,44 +41,8 @@ class ShaftSpeed(NamedTuple):
     """Standard deviations of its harmonic comb over the combs beside it."""
     tolerance: float
     """Relative tolerance of the speed handed in."""
-    tolerated: NDArray[np.floating] = np.zeros(0)
-    """Speeds within the tolerance, at equal steps, Hz; empty where no harmonics stand out."""
-    scores: NDArray[np.floating] = np.zeros(0)
-    """Score of each of them, same shape."""
-
-    @property
-    def spread(self) -> float:
-        """
-        Relative distance of the farthest tolerated speed that is two thirds as clear.
-
-        Where the speed moves, the lines smear, and other speeds are about as clear.
-
-        >>> ShaftSpeed(25.0, 0.02, 3.0, 0.02).spread
-        inf
-
-        """
-        if not len(self.scores):
-            return math.inf
-        clear = self.tolerated[self.scores >= self.scores.max() / _AS_CLEAR]
-        return float(np.abs(clear / self.shaft_hz - 1.0).max())
-
-    def tells_from(self, other_hz: float) -> bool:
-        """
-        Whether the harmonics of the shaft are clearly better at this speed than at another.
-
-        They are where the other one is not tolerated.
-
-        >>> tolerated, scores = np.arange(24.6, 25.5, 0.1), np.array([3, 2, 2, 2, 9, 8, 5, 4, 7.0])
-        >>> speed = ShaftSpeed(25.0, 0.001, 9.0, 0.02, tolerated, scores)
-        >>> [speed.tells_from(hertz) for hertz in (24.0, 24.7, 25.1, 25.4)]
-        [True, True, False, False]
-
-        """
-        step = self.tolerated[1] - self.tolerated[0]
-        at = round((other_hz - self.tolerated[0]) / step)
-        near = self.scores[max(at - 1, 0) : max(at + 2, 0)]
-        here = self.scores[round((self.shaft_hz - self.tolerated[0]) / step)]
-        return bool(near.max(initial=-math.inf) < max(here - _MARGIN, here / _AS_CLEAR))
+    spread: float = math.inf
+    """Relative distance of the farthest tolerated speed that is two thirds as clear."""
 
 
 def refine_shaft_hz(
@@ -143,7 +105,9 @@ def refine_shaft_hz(
         ties = near[scores >= best - 1e-9]
         shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
     uncertainty = bin_hz / (2.0 * shaft_hz)
-    return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance, near, scores)
+    # Where the speed moves, the lines smear, and other speeds are about as clear.
+    spread = float(np.abs(near[scores >= best / 1.5] / shaft_hz - 1.0).max())
+    return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance, spread)
 
 
 def _comb(

@@ -215,12 +215,6 @@ CASES = {
         'suspect',
         ('inner',),
     ),
-    'shaft_strikes': (
-        Evidence.of(OUTER, whole_turns=3, loose=frozenset({'outer'})),
-        'ambiguous',
-        'suspect',
-        ('outer',),
-    ),
     'whole_turns': (
         Evidence.of(OUTER, whole_turns=3),
         'ambiguous',
