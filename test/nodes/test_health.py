@@ -87,13 +87,15 @@ def test_a_lost_input_and_a_changed_level_are_logged_once_with_the_time(node, ca
     health.add('bearing', lambda: next(turns))
     for _ in range(9):
         health.publish()
-    logged = re.findall(r'\[(\w+)\] \[[\d.]+\] \[line1.diagnosis\]: (.*)', capfd.readouterr().err)
-    assert logged == [
-        ('WARN', 'bearing: no vibration for 2.1 s (before, for 0 s: vibration is fresh)'),
-        ('INFO', 'bearing: vibration is fresh (before, for 0 s: no vibration for 2.1 s)'),
-        ('WARN', 'bearing: inner (before, for 0 s: vibration is fresh)'),
-        ('ERROR', 'bearing: inner (before, for 0 s: WARN)'),
-        ('INFO', 'bearing: vibration is fresh (before, for 0 s: inner)'),
+    text = capfd.readouterr().err
+    logged = re.findall(r'\[(\w+)\] \[[\d.]+\] \[line1.diagnosis\]: (.*)', text)
+    # How long each lasts hangs on what else the machine does.
+    assert [(level, re.sub(r'for \d+ s', 'for a while', said)) for level, said in logged] == [
+        ('WARN', 'bearing: no vibration for 2.1 s (before, for a while: vibration is fresh)'),
+        ('INFO', 'bearing: vibration is fresh (before, for a while: no vibration for 2.1 s)'),
+        ('WARN', 'bearing: inner (before, for a while: vibration is fresh)'),
+        ('ERROR', 'bearing: inner (before, for a while: WARN)'),
+        ('INFO', 'bearing: vibration is fresh (before, for a while: inner)'),
     ]
 
 
