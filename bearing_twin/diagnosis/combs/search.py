@@ -119,22 +119,18 @@ class CombSearch:
         # A ball in and out of the load has the lines of the cage, so that they are of the bearing.
         cage = self.expected.cage()
         at = highest_off(z, grid, self.expected.uncertainty, 1.25 * self.spectra.step, *cage)
-        order = float(grid[at])
-        index, band = self._index(spectra, order, 'inner')
-        return Candidate('elsewhere', order, 0.0, float(z[at]), index, band)
+        return self._of_no_place(spectra, float(grid[at]), float(z[at]))
+
+    def _of_no_place(self, spectra: OrderSpectra, order: float, z: float) -> Candidate:
+        """Comb at an order, whatever makes it."""
+        return Candidate('elsewhere', order, 0.0, z, *self._index(spectra, order, 'inner'))
 
     def deepest_whole(self) -> Candidate | None:
         """Comb at a multiple of the shaft that modulates most; None where none is significant."""
         orders = np.arange(1.0, max(self._whole.top // 3.0, 1.0) + 1.0)
         z = self._scores.score(self._whole, orders)
         found = (
-            Candidate(
-                'elsewhere',
-                float(order),
-                0.0,
-                float(at),
-                *self._index(self._whole, float(order), 'inner'),
-            )
+            self._of_no_place(self._whole, float(order), float(at))
             for order, at in zip(orders, z, strict=True)
             if at >= Z_ELSEWHERE
         )
