@@ -148,10 +148,8 @@ def _looked_for(bearing: Bearing | None, speeds: list[float]) -> list[tuple[str,
 
 def _to_do(report: SeriesReport) -> str:
     """Say what to do next."""
-    if report.level == 'fault':
-        step = next_step(report.place or 'ambiguous', 1, urgent=not report.place)
-    else:
-        step = next_step({'ok': 'healthy', 'suspect': 'suspect'}.get(report.level, 'insufficient'))
+    unknown = report.level == 'fault' and not report.place
+    step = next_step(report.result, int(report.level == 'fault'), urgent=unknown)
     return step[0].upper() + step[1:]
 
 

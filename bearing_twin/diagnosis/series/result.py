@@ -69,3 +69,10 @@ class SeriesReport:
     """Place that the newest snapshots name alone, or else the average of the envelopes since the
     change; '' if neither does, or the level is 'ok'."""
     reasons: tuple[str, ...]
+
+    @property
+    def result(self) -> str:
+        """Answer that the held level stands for, one of ``RESULTS``."""
+        if self.level == 'fault':
+            return self.place or 'ambiguous'
+        return {'ok': 'healthy', 'suspect': 'suspect'}.get(self.level, 'insufficient')

@@ -213,11 +213,9 @@ class SeriesDiagnoser:
         if unknown:
             result, confidence = 'insufficient', UNKNOWN
         elif level in ('suspect', 'fault'):
-            confidence = UNKNOWN
-            result = 'suspect' if level == 'suspect' else 'ambiguous'
+            result, confidence = report.result, UNKNOWN
             if report.place:
                 faults = (report.place,)
-                result = faults[0] if level == 'fault' else 'suspect'
         return replace(
             found, level=level, result=result, faults=faults, confidence=confidence,
             fault_code=FAULT_CODES[result], window=(found.result, found.level),
@@ -245,7 +243,7 @@ class SeriesDiagnoser:
             If the bytes are not such a state; the present state is then unchanged.
 
         """
-        # Of what is no such state, or of another version, unpack says so.
+        # What is no such state, or one of another version, is refused by unpack.
         with suppress(zlib.error):
             data = zlib.decompressobj().decompress(data, _LARGEST)
         values, arrays = unpack(data, _VERSION)
