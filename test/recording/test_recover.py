@@ -32,7 +32,14 @@ from mcap.reader import make_reader
 from mcap.records import Channel
 from mcap.writer import Writer
 import pytest
-from recording_samples import START, TEMPERATURE, temperature_cdr, VIBRATION, write_blocks
+from recording_samples import (
+    seconds_of_heads,
+    START,
+    TEMPERATURE,
+    temperature_cdr,
+    VIBRATION,
+    write_blocks,
+)
 from rosbags.rosbag2 import Reader
 
 if TYPE_CHECKING:
@@ -449,8 +456,9 @@ def test_millions_of_empty_records_are_stepped_over_and_what_follows_is_read(
     problems: list[str] = []
     found = read_messages(path, topics=['/vibration'], recover=True, problems=problems)
     assert [message.cdr for message in found] == written
-    # 10 s for 100 MB are promised.
-    assert time.process_time() - began < 10.0 * path.stat().st_size / 100e6
+    took = time.process_time() - began
+    # Up to 4 times, on any machine.
+    assert took < 10.0 * seconds_of_heads(empty)
     assert len(problems) < 5
 
 
