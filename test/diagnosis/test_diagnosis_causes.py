@@ -322,6 +322,19 @@ def test_faint_marks_on_both_races_are_of_no_race_alone(rng, slip, marked, fault
     assert (said.rule, said.level, set(said.faults)) == (rule, 'suspect', faults), said.reasons
 
 
+@pytest.mark.parametrize('off', [-0.001, 0.001])
+def test_both_races_are_found_where_the_given_speed_is_a_little_off(rng, off):
+    """No line of the shaft tells it, and the orders of the races add up to 9 (1 - off)."""
+    bearing = find_bearing('6205')
+    orders = fault_orders(bearing)
+    x = rng.standard_normal(N)
+    for place in ('outer', 'inner'):
+        x += _strikes(np.arange(0.0, SECONDS, 1.0 / (orders.impacts(place) * SHAFT_HZ)), 2.7)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ * (1.0 + off))
+    assert said.shaft_hz == pytest.approx(SHAFT_HZ * (1.0 + off)), said.reasons
+    assert said.rule == 'both_races', said.reasons
+
+
 @pytest.mark.parametrize('given', ['6307', '6304'])
 def test_an_inner_race_beyond_the_orders_of_the_given_bearing_is_no_sideband(rng, given):
     """That of a 6205 has a sideband one order below, where an inner race of a 6304 strikes."""
