@@ -94,8 +94,6 @@ class RecordingWriter(MessageSink):
         """Messages lost because the disk took none and the memory for them was full."""
         self.removed = 0
         """Messages lost with files that somebody removed while they were being written."""
-        self.deleted_files = 0
-        """Oldest files deleted at the storage limit."""
         self._check_options()
         self._waiting: deque[Written] = deque()
         self._waiting_bytes = 0
@@ -198,9 +196,7 @@ class RecordingWriter(MessageSink):
 
     def split(self) -> None:
         """Go on in a new file (bag folders only)."""
-        if not self.bag:
-            msg = f'{self.path} is a single file and cannot be split; give a folder name'
-            raise BearingTwinError(msg)
+        self._check_bag()
         self._finish()
         self.problem = self._settle()
         self._index += 1
@@ -262,11 +258,15 @@ class RecordingWriter(MessageSink):
             msg = f'{str(self.path)!r} is not UTF-8; choose another name'
             raise BearingTwinError(msg) from None
         splits = o.split_size > 0 or o.split_duration > 0
-        if splits and not self.bag:
-            msg = f'{self.path} is a single file and cannot be split; give a folder name'
-            raise BearingTwinError(msg)
+        if splits:
+            self._check_bag()
         if o.delete_oldest and not (splits and o.storage_limit > 0):
             msg = 'deleting the oldest file needs a storage limit, and a split size or duration'
+            raise BearingTwinError(msg)
+
+    def _check_bag(self) -> None:
+        if not self.bag:
+            msg = f'{self.path} is a single file and cannot be split; give a folder name'
             raise BearingTwinError(msg)
 
     def _open(self) -> OutputFile:
@@ -340,7 +340,6 @@ class RecordingWriter(MessageSink):
                 self.problem = f'{oldest.name} cannot be deleted: {error.strerror}'
                 return
             del self._finished[0]
-            self.deleted_files += 1
 
     def _finish(self) -> None:
         """Write the end of the current file to its spool."""

@@ -4,6 +4,7 @@
 
 import math
 import time
+import zlib
 
 from bearing_twin.calibration import residual as residual_module
 from bearing_twin.calibration.residual import (
@@ -241,8 +242,13 @@ def test_a_state_of_all_speeds_is_a_few_megabytes_and_packed_at_once():
     known = [(10.0 * 1.04**k, Residual(names, list(day))) for k in range(SPEEDS)]
     values, arrays = Residuals(known).save()
     start = time.process_time()
-    assert len(pack(1, {'residuals': values}, arrays)) < 17e6
-    assert time.process_time() - start < 0.5
+    packed = pack(1, {'residuals': values}, arrays)
+    took = time.process_time() - start
+    assert len(packed) < 17e6
+    # Up to 0.1 of what the quickest compression takes.
+    start = time.process_time()
+    zlib.compress(packed, 1)
+    assert took < 0.5 * (time.process_time() - start)
 
 
 def test_a_machine_whose_bands_swell_together_is_given_the_memory_of_all():
