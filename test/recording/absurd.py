@@ -25,8 +25,8 @@ import numpy as np
 from recording_samples import store
 from rosbags.interfaces import Nodetype
 
-LONGEST = 60
-"""Longest processor time for one command, s: loading the libraries is part of the first."""
+LONGEST = 200.0
+"""Longest processor time for one command, in loops of this machine, with loading of libraries."""
 ROOM = 512 * 1024 * 1024
 """Memory that a command may take beyond what the libraries do, bytes."""
 
