@@ -3,12 +3,11 @@
 """
 Diagnosis of rolling element bearings from vibration, without training.
 
-From samples to an answer, each room resting on those before it: ``signal`` (gate, envelopes,
+The rooms, from samples to an answer; each uses those before it: ``signal`` (gate, envelopes,
 spectra, shaft speed, levels), ``combs`` (lines of the fault orders), ``rules`` (evidence, the
 table of rules, confidence), ``machine`` (baseline and trend of one machine) and ``series`` (many
-short snapshots of it). The files beside them are the path that leads through the rooms: a `window`
-is measured and written out (`report`) by the `chain`, for a whole `record` or a stream
-(`streaming`).
+short snapshots of one machine). The files beside them connect the rooms: the `chain` analyses a
+`window` and makes its `report`, for a whole `record` or a stream (`streaming`).
 """
 
 from importlib import import_module
@@ -32,7 +31,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Look a name up where it stands: the compiled half takes half a second to import."""
+    """Import a public name on first use: the compiled modules take half a second to import."""
     if name in __all__:
         for module in ('result', 'settings', 'signal.severity', 'streaming', 'record'):
             found = import_module(f'{__name__}.{module}')
@@ -43,5 +42,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Names that are looked up late are listed with the others."""
+    """List the names that are imported on first use with the others."""
     return sorted({*globals(), *__all__})

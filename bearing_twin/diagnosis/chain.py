@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The one path from samples to a verdict, for windows of a stream and whole records."""
+"""Path from samples to a diagnosis, for windows of a stream and for whole records."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 _CLEARER = 1.1
 _KEPT_BYTES = 1 << 21
-"""More than any array of a window of 8 s at 25.6 kHz has."""
+"""More than the bytes of any array of a window of 8 s at 25.6 kHz."""
 _NO_ZONE = (
     f'no zone of ISO 20816-3: below {60.0 * SLOW_HZ:g} 1/min its velocity is that from 2 Hz on, '
     'and this one is from 10 Hz on'
@@ -66,19 +66,19 @@ _NO_ZONE = (
 @cache
 def _keep_memory() -> None:
     """
-    Have the C library keep the memory of a window for the next.
+    Make the C library keep the memory of a window for the next one.
 
-    Glibc takes an array larger than any that it has seen freed from the system, page by page, and
-    gives it back (``M_MMAP_THRESHOLD``), which took up to a third of the time of a verdict.
+    Glibc maps an array anew, page by page, if it is larger than every array freed before
+    (``M_MMAP_THRESHOLD``). This took up to a third of the time of a verdict.
     """
     np.empty(_KEPT_BYTES, np.uint8)
 
 
 class Stretch:
     """
-    Consecutive samples by which windows move on, and what has been computed of them.
+    Consecutive samples, the step by which windows move on, with their computed segments.
 
-    They have the shape (n,), and a speed during each part of them.
+    The samples have the shape (n,); ``turning`` is the shaft speed during each part of them.
     """
 
     def __init__(self, samples: NDArray[np.float64], turning: Turning) -> None:
@@ -93,7 +93,7 @@ class Stretch:
         return Extent.of(self.samples)
 
     def segment(self, layout: Layout, before: Sequence[Stretch]) -> Segment:
-        """Segment that ends with this stretch; ``before`` are the stretches right before it."""
+        """Return the segment that ends here; ``before``: the stretches right before this one."""
         with self._lock:
             segment = self._segments.get(layout)
             if segment is None:
@@ -109,9 +109,9 @@ class Excerpt:
     """Samples that get one verdict: a window of a stream, or a whole record."""
 
     stretches: tuple[Stretch, ...]
-    """They are equally long."""
+    """Stretches of equal length."""
     before: Stretch | None = None
-    """Stretch right before them, as long as they, if there is one."""
+    """Stretch of the same length right before them, if there is one."""
     sample_rate: float
     bearing: Bearing
     settings: DiagnosisSettings
@@ -121,13 +121,13 @@ class Excerpt:
     sensor: str = ''
     """Frame and axis, and ' simulated' where a twin makes the samples."""
     notes: tuple[str, ...] = ()
-    """What happened to the stream since the excerpt before."""
+    """Events of the stream since the previous excerpt."""
     run: int = 0
-    """Number of the uninterrupted run of samples that it belongs to."""
+    """Number of the uninterrupted run of samples that holds the excerpt."""
     left_over: int = 0
-    """Samples after the stretches, which are not analysed."""
+    """Number of samples after the stretches, which are not analysed."""
     pieces: int = 1
-    """Windows into which it is cut, equally long; their spectra are averaged."""
+    """Number of equally long windows in it; their spectra are averaged."""
 
     @classmethod
     def of(
@@ -143,20 +143,21 @@ class Excerpt:
         **known: Any,
     ) -> Excerpt:
         """
-        Excerpt of samples that are there at once.
+        Return an excerpt of samples that are all available.
 
         Parameters
         ----------
         samples
             Shape (n,).
         turning
-            Speed during each part of them, or one steady speed, Hz.
+            Shaft speed during each part of the samples, or one steady speed, Hz.
         sample_rate, bearing, settings
             See the fields.
         longest
-            Most shaft turns of a window.
+            Largest length of a window, shaft turns.
         divided
-            Whether a window is whitened in segments, each by its own noise, or as a whole.
+            Whether each segment of a window is whitened by its own noise; else the window as a
+            whole.
         known
             Other fields.
 
@@ -173,7 +174,8 @@ class Excerpt:
             turning = Turning(np.array([turning]), np.array([count]))
         if count and math.isfinite(sample_rate) and sample_rate > 0.0:
             turns = count / sample_rate * turning.mean_hz
-            # A shaft that stands, or turns in less than two samples, has no turns to count.
+            # A shaft that stands still, or turns once in less than two samples, has no turns to
+            # count.
             pieces = max(1, round(turns / longest)) if 0.0 < turns < count / 2 else 1
             if divided:
                 each = max(SECONDS * sample_rate, LEAST)
@@ -215,11 +217,11 @@ class Excerpt:
 
     @property
     def simulated(self) -> bool:
-        """Whether a twin makes the samples, so that sizes of its faults may be named."""
+        """Whether a twin makes the samples, so that fault sizes may be named."""
         return self.sensor.endswith(' simulated')
 
     def analyse(self) -> Analysis:
-        """Analyse the samples: most of the work of a verdict, and a function of them alone."""
+        """Return the analysis of these samples alone, which is most of the work of a verdict."""
         _keep_memory()
         rate, bearing = self.sample_rate, self.bearing
         turning = self.turning
@@ -247,19 +249,19 @@ class Excerpt:
         windows = [self._window(piece * count, count, layout) for piece in range(self.pieces)]
         analysis = Analysis(self, mean_hz, windows[-1], tuple(w.orders for w in windows[:-1]))
         if not self.settings.averages:
-            # Decided here, where there may be other threads to do it, and not when it is asked.
+            # Decided here, because this may run in another thread, and not when it is asked for.
             _ = analysis.alone
         return analysis
 
     def severity(self, shaft_hz: float) -> Severity | None:
         """
-        Severity of samples whether or not they show a place; None where nothing is measured.
+        Return the severity of samples that the record gate refused; None if it cannot be measured.
 
-        Clipping only lowers it. At an unknown speed a zone is at least C, as of a slow machine; a
-        shaft that stands still has none, nor anything to compare.
+        Clipping only lowers it. At an unknown speed a zone is given only from C on, as for a slow
+        machine. A shaft that stands still has no severity.
         """
         x, settings = self.samples, self.settings
-        # The width of a bin of the smallest rates is no longer a number above 0.
+        # At the smallest sampling rates the width of a bin underflows to 0.
         if len(x) < LEAST or not 0.0 < self.sample_rate / len(x) < math.inf or shaft_hz == 0.0:
             return None
         if not np.abs(x).max() <= LARGEST or not np.ptp(x) > FAINTEST:
@@ -273,9 +275,9 @@ class Excerpt:
         return of_length(found, len(x), self.sample_rate)
 
     def _window(self, first: int, count: int, layout: Layout) -> Window:
-        """Window of ``count`` stretches."""
+        """Return the window of ``count`` stretches from ``first`` on."""
         each = layout.hop // len(self.stretches[0].samples)
-        # A NaN before the window must not get into it with the lap of the first segment.
+        # A NaN before the window must not enter it through the lap of the first segment.
         before = (self.before,) if self.before and not self.before.extent.bad else ()
         known = (*before, *self.stretches)
         offset = first + len(known) - len(self.stretches)
@@ -290,7 +292,7 @@ class Excerpt:
 
 
 def _together(stretches: Sequence[Stretch]) -> Turning:
-    """Speed during several stretches."""
+    """Return the speed during several stretches."""
     parts = [stretch.turning for stretch in stretches]
     return Turning(
         np.concatenate([part.shaft_hz for part in parts]),
@@ -300,17 +302,17 @@ def _together(stretches: Sequence[Stretch]) -> Turning:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What the samples of an excerpt say, before anything that came earlier is asked."""
+    """Analysis of the samples of an excerpt, without earlier windows."""
 
     excerpt: Excerpt
     shaft_hz: float
     """Mean speed, Hz."""
     window: Window | None = None
-    """The newest window; None where the record gate refused the excerpt."""
+    """Newest window; None if the record gate refused the excerpt."""
     before: tuple[OrderSpectra, ...] = ()
-    """Spectra of the excerpt's windows before it, oldest first."""
+    """Spectra of the earlier windows of the excerpt, oldest first."""
     refused: tuple[str, ...] = ()
-    """Why the record gate refused it."""
+    """Why the record gate refused the excerpt."""
 
     @cached_property
     def alone(self) -> Diagnosis:
@@ -319,11 +321,12 @@ class Analysis:
 
     def may_show(self, hertz: float, clearest: float) -> bool:
         """
-        Whether a comb of the bearing at another shaft speed is worth a diagnosis at that speed.
+        Return whether a comb at another shaft speed, Hz, is worth a diagnosis at that speed.
 
-        At a faster one, up to four times, the spectra of the given speed hold the first of its
-        four lines at least, so half of its index, and its score as the root of their number.
-        There it must come within 3 dB of the ``clearest`` comb of an alarm at the given speed.
+        At up to four times the given speed the spectra hold at least the first of the four lines
+        of a comb. So they show at least half of its index, and a score that grows with the root of
+        the number of lines. The comb must come within 3 dB of the score ``clearest``: that of the
+        clearest comb of an alarm at the given speed, or 0.
         """
         if self.window is None:
             return False
@@ -339,7 +342,7 @@ class Analysis:
         return any(shows(combs.best(place)) for place in PLACES)
 
     def conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
-        """Diagnosis from these samples and the spectra of earlier windows, oldest first."""
+        """Return the diagnosis from these samples and spectra of earlier windows, oldest first."""
         excerpt, window = self.excerpt, self.window
         taken: dict[str, Any] = {
             'first_sample': excerpt.first_sample,
@@ -373,7 +376,7 @@ class Analysis:
     def _verdict(
         self, windows: Sequence[OrderSpectra], window: Window
     ) -> tuple[Verdict, ShaftSpeed]:
-        """Verdict on the mean of several windows, and the speed on which it rests."""
+        """Return the verdict on the mean of several windows, and the shaft speed that it uses."""
         bearing, speed, given_hz = self.excerpt.bearing, window.speed, self.shaft_hz
         turns = window.revolutions * len(windows)
         steps = max(stretch.extent.steps for stretch in self.excerpt.stretches)
@@ -389,9 +392,10 @@ class Analysis:
         verdict = answer(refined)
         if speed.shaft_hz == given_hz:
             return trusted(refined, verdict), speed
-        # A fault beside an integer order can pass for a shaft that runs a little off: the speed
-        # under which the fault shows more clearly is then the right one. Places that do not part
-        # at the given speed show nothing more clearly: so do the lines of a loose shaft beside it.
+        # The lines of a fault beside an integer order can be mistaken for those of a shaft at a
+        # slightly different speed. The speed at which the fault shows more clearly is then the
+        # right one, unless two places cannot be told apart at the given speed: the lines of a
+        # loose shaft at another speed look like that.
         apart = abs(speed.shaft_hz / given_hz - 1.0)
         given = ShaftSpeed(given_hz, max(speed.uncertainty, apart), 0.0, speed.tolerance)
         at_given = accumulate([each.at_given_speed() for each in windows])
@@ -411,13 +415,13 @@ class Analysis:
 
 def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float, tolerance: float) -> bool:
     """
-    Whether the lines of a comb were mistaken for the harmonics of the shaft.
+    Return whether the lines of a comb were mistaken for the harmonics of the shaft.
 
-    They can be where the comb's order is a whole number at the refined speed, and the fault has
-    sidebands at the turns of another speed: these look like the other multiples of a shaft. The
-    harmonics of a comb without sidebands are too few, as two of the shaft's do not count. Half a
-    bin apart the two speeds are one, and the clearer fault is right, unless all its lines are as
-    high, as those of strikes once a turn are.
+    They can be if the order of the comb is a whole number at the refined speed and the fault has
+    shaft sidebands at the given speed, which look like the other multiples of a shaft. A comb
+    without sidebands has too few lines for that, as the first two harmonics of the shaft do not
+    count. Within half a bin the two speeds are the same, and the clearer fault is right, unless
+    all its lines are equally high, as those of strikes once a turn are.
     """
     same = 2.0 * abs(gap - 1.0) < 1.01 * at_given.step
     order = found.order / gap

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a window could have shown.
+Smallest race fault that the diagnosis of a window could have shown.
 
-It comes from simulations with the twin, kept as a data file beside this module; the command
-``python -m bearing_twin.studies.detection_power OUT.json`` makes it.
+The table comes from simulations with the twin. It is a data file beside this module, written by
+``python -m bearing_twin.studies.detection_power OUT.json``.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ def smallest_detectable(
     seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
 ) -> float:
     """
-    Smallest width of a race fault, mm, that a window could have shown; NaN if none could.
+    Return the smallest width of a race fault, mm, that a window could have shown; NaN if none.
 
-    The larger of the inner and the outer race's, at the simulated condition next below in window
-    length, in seconds and in shaft turns, and nearest in speed, temperature and noise, scaled with
-    the ball diameter. Where the unit is unknown the noise is taken as the middle one of the table.
-    Speeds beyond half the lowest and twice the highest of the table were not simulated: NaN.
+    It is the larger of the widths on inner and outer race, scaled with the ball diameter. The
+    simulated window is the next shorter one, in seconds and in shaft turns, at the nearest speed,
+    temperature and noise. With an unknown unit the middle noise of the table is used. Speeds below
+    half the lowest or above twice the highest of the table give NaN.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def smallest_detectable(
     temperature
         degC; NaN is taken as the lowest of the table.
     rms
-        Of the signal, in ``unit``.
+        RMS of the signal, in ``unit``.
     unit
         See :func:`bearing_twin.diagnosis.signal.acceleration.acceleration_factor`.
     d_ball
@@ -64,7 +64,7 @@ def smallest_detectable(
         return math.nan
     speed = int(np.argmin(np.abs(np.log(speeds / shaft_hz))))
     windows = np.asarray(table['window_s'])
-    # As many seconds, and as many turns, as the simulated window had.
+    # At least as many seconds, and as many turns, as in the simulated window.
     seconds = min(seconds, seconds * shaft_hz / float(speeds[speed]))
     window = int(np.searchsorted(windows, seconds + 1e-6)) - 1
     if window < 0:
@@ -85,7 +85,7 @@ def shown_by(
     seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
 ) -> str:
     """
-    Smallest race fault that a window could have shown, in words; as smallest_detectable.
+    Return the result of :func:`smallest_detectable`, with the same parameters, in words.
 
     >>> shown_by(8.0, 3.0, 30.0, 1.0, 'm/s^2', 0.0135)
     'none is sure to'

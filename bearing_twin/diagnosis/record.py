@@ -35,21 +35,22 @@ _WINDOW_TURNS = 256.0
 """Shaft turns of the windows into which a record is cut."""
 
 _PART_TURNS = 2.0 * SHAFT_TURNS
-"""Least shaft turns of a part: twice those that a diagnosis needs."""
+"""Least shaft turns of a part of a record: twice those that a diagnosis needs."""
 
 _NEAR = 10
-"""Bins, every other one, of the floor that smeared lines raise: sharp ones take up three."""
+"""Width of the floor that smeared lines raise, in every other bin: sharp lines have three."""
 
 _ABOVE_TURN = 1.5
-"""Shaft turns from which on they are looked for."""
+"""Lowest order at which smeared lines are looked for."""
 
 _SMEARED = 0.375 * INDEX_FAULT**2 / 2.0
-"""Power over that of the mean, half of what lines of an index that is a fault have (a line of a
-modulation of one is 1/4 of its square, and its two neighbours half as much together)."""
+"""Power of smeared lines, relative to that of the mean: half the power of lines with the
+modulation index of a fault. A line of the index m has m^2 / 4, and its two neighbours together
+half as much."""
 
 _LOUD = INDEX_FAULT / RIVAL
-"""Modulation index, with each segment by its power, from which on a record as a whole is worth a
-look: in another band than that of the answer it may be a fault."""
+"""Modulation index, with segments weighted by power, above which the record is analysed as a
+whole: in another band than that of the answer it may be a fault."""
 
 _BURSTS = 'second by second the modulation is weaker: the impacts come in bursts'
 
@@ -78,10 +79,10 @@ def diagnose_record(
         Geometry.
     shaft_hz
         Shaft speed, Hz; NaN (unknown) gives ``insufficient``. One number, or the speed at each
-        sample, shape (n,): where it varies by more than 0.5 % the record is taken over angle.
+        sample, shape (n,): if it varies by more than 0.5 % the envelopes are resampled over angle.
     speed_tolerance
-        Relative tolerance of ``shaft_hz``; by default that of the settings, for one number the
-        nameplate's, for a speed that varies from sample to sample the measured one's.
+        Relative tolerance of ``shaft_hz``. The default is ``speed_tolerance`` of the settings, or
+        ``measured_speed_tolerance`` for a speed that varies from sample to sample.
     unit
         Unit of x, for the severity.
     temperature
@@ -92,9 +93,9 @@ def diagnose_record(
     Raises
     ------
     BearingTwinError
-        If x is not one-dimensional, ``shaft_hz`` has neither its shape nor none, or a setting is
-        outside its range. A record that cannot be
-        diagnosed is no error: the result is ``insufficient`` and the reasons say why.
+        If x is not one-dimensional, ``shaft_hz`` is neither a number nor of the shape of x, or a
+        setting is outside its range. A record that cannot be diagnosed is no error: the result is
+        ``insufficient`` and the reasons say why.
 
     Examples
     --------
@@ -138,12 +139,12 @@ def diagnose_record(
     found = analysis.alone
     faint = found.rule in FAINT
     if faint and found.level == 'suspect' and _may_strike_in_bursts(analysis):
-        # Each segment is taken relative to its own noise, so impacts in bursts of seconds weigh
+        # Each segment is whitened by its own noise, so bursts of impacts that last seconds count
         # little in the mean.
         whole = cut(divided=False).analyse().alone
         if whole.level == 'fault':
             found = replace(whole, reasons=(*whole.reasons, _BURSTS))
-    # Where the speed moves, the lines of a fault smear over the whole and not over its parts.
+    # If the speed moves, the lines of a fault smear over the whole record but not over its parts.
     if faint and found.level != 'fault' and speeds.size == 1 and _smeared(analysis):
         turns = len(signal) / sample_rate * float(speeds)
 
@@ -163,7 +164,7 @@ def diagnose_record(
     if speeds.size == 1 and analysis.window is not None:
         power, bin_hz = analysis.window.low, 1.0 / analysis.window.seconds
         for hertz in other_shafts_hz(power, bin_hz, float(speeds), settings.speed_tolerance):
-            # The lines of a fault that is named can pass for those of a shaft.
+            # The lines of the named fault can be mistaken for those of a shaft.
             own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
             if own or not analysis.may_show(hertz, _clearest(found)):
                 continue
@@ -174,7 +175,7 @@ def diagnose_record(
 
 
 def _may_strike_in_bursts(analysis: Analysis) -> bool:
-    """Whether the impacts of the loudest segments may make a fault of the record as a whole."""
+    """Return whether impacts in the loudest segments may be a fault in the record as a whole."""
     window, excerpt, said = analysis.window, analysis.excerpt, analysis.alone
     if window is None or len(excerpt.stretches) == excerpt.pieces:
         return False
@@ -183,16 +184,16 @@ def _may_strike_in_bursts(analysis: Analysis) -> bool:
 
 
 def _clearest(said: Diagnosis) -> float:
-    """Score of the clearest comb of an alarm; 0 where there is none."""
+    """Return the score of the clearest comb of an alarm; 0 without an alarm."""
     alarm = said.level == 'fault'
     return max((said.score[place] for place in said.faults), default=0.0) if alarm else 0.0
 
 
 def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagnosis | None:
     """
-    Answer where the lines of a shaft show at another speed, and a fault at that; None elsewhere.
+    Return the answer if lines of a shaft and a fault show at another speed; else None.
 
-    The comb that a fault has at the given speed counts where it is the clearer one.
+    A fault at the given speed remains the answer if its comb is clearer.
     """
     if said.level != 'fault' or said.result not in PLACES or said.faults == given.faults:
         return None
@@ -213,17 +214,18 @@ def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagno
 
 def _smeared(analysis: Analysis) -> bool:
     """
-    Whether lines may have smeared, as those of a fault do where the speed moves.
+    Return whether lines may be smeared, as those of a fault are if the speed moves.
 
-    A floor over few bins passes over sharp lines and takes the smeared ones in, so that it lies
-    above the floor over many. The two are compared above the first turn of the shaft, where
-    sound machines sway. Between several windows sharp lines may move, too, so there all count.
+    A median floor over few bins ignores sharp lines but not smeared ones, which raise it above the
+    floor over many bins. The two are compared above the first harmonic of the shaft: at and below
+    it healthy machines sway. Sharp lines may move between several windows, so then all lines
+    count.
     """
     if analysis.window is None:
         return False
     envelopes = analysis.window.envelopes
     first = int(_ABOVE_TURN * analysis.shaft_hz / envelopes.bin_hz)
-    # Under a Hann window every other bin tells as much.
+    # With a Hann window every other bin holds the same information.
     power = envelopes.power[:, first::2]
     near = power if analysis.before else floor_levels(power, _NEAR)[0]
     rise = near.mean(axis=1) - envelopes.levels.mean(axis=1)
@@ -231,7 +233,7 @@ def _smeared(analysis: Analysis) -> bool:
 
 
 def _part(excerpt: Excerpt, first: int, end: int) -> Excerpt:
-    """Return some stretches of an excerpt; they keep their transforms."""
+    """Return some stretches of an excerpt as an excerpt; their transforms are kept."""
     many = end - first
     turns = (
         many * len(excerpt.stretches[0].samples) / excerpt.sample_rate * excerpt.turning.mean_hz
@@ -250,11 +252,12 @@ def _moving(
     whole: Diagnosis, turns: float, parts: Callable[[int], Sequence[Excerpt]]
 ) -> Diagnosis | None:
     """
-    Answer of the parts of a record whose lines smear over the whole; None where they have none.
+    Return the answer of the parts of a record whose lines smear over the whole; None without one.
 
-    It is the fault that two neighbouring parts name at two frequencies, more than a line apart.
-    That two parts agree keeps false names as rare as those of one. Else a record that would be
-    *ok* or not known is suspect where two such parts suspect one place, or one part has an alarm.
+    It is the fault that two neighbouring parts name at frequencies more than a line apart. Two
+    parts must agree, so false names are as rare as those of one part. Otherwise a record whose
+    level is *ok* or unknown becomes suspect if two such parts suspect one place, or if one part
+    has an alarm.
     """
     weaker, alarms_only = None, whole.level == 'suspect'
 
@@ -267,7 +270,7 @@ def _moving(
             break
         cut = parts(count)
         for first in range(count - 1):
-            # Of each two neighbours one has an odd number, so these tell that there is no alarm.
+            # One of two neighbours has an odd number: without an alarm there, the pair has none.
             if alarms_only and said(cut[first | 1]).level != 'fault':
                 continue
             one, other = said(cut[first]), said(cut[first + 1])
@@ -300,9 +303,9 @@ def _moving(
 
 def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:
     """
-    Take back the name of an order that lies as near to a whole one as the speed has moved.
+    Return a part as ambiguous if the speed moved by as much as its order is off a whole number.
 
-    Impacts so many times a turn would look the same in each part.
+    Impacts a whole number of times a turn would look the same in each part.
     """
     order = part.fault_hz / part.shaft_hz
     if abs(order - round(order)) > order * moved_hz / part.fault_hz:
@@ -315,7 +318,7 @@ def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:
 
 
 def _of_part(whole: Diagnosis, part: Diagnosis, text: str) -> Diagnosis:
-    """Answer of a part as that of the whole record."""
+    """Return the answer of a part as the answer of the whole record."""
     return replace(
         part,
         reasons=(*part.reasons, text),

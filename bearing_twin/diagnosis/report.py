@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnoses written out: from a verdict with its evidence, and where there is none."""
+"""Make the diagnosis of a window from its verdict, or one without a verdict."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def report(
     **taken: Any,
 ) -> Diagnosis:
     """
-    Diagnosis of a window from the verdict on it and from what is known of the samples.
+    Return the diagnosis of a window from its verdict and from properties of the samples.
 
-    ``notes`` come before the reasons of the verdict, and ``taken`` are fields of the diagnosis.
-    The smallest fault that would have shown is named where the samples are ``simulated``.
+    ``notes`` come before the reasons of the verdict; ``taken`` are further fields of the
+    diagnosis. The smallest detectable fault is named only for ``simulated`` samples.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.chain import Excerpt
@@ -130,9 +130,9 @@ def coarse_spectrum(
     amplitude: NDArray[np.float32], bin_hz: float
 ) -> tuple[NDArray[np.float32], float, float]:
     """
-    Largest amplitude in each group of bins, about 1 Hz wide: lines keep their height.
+    Return the largest amplitude in each group of bins about 1 Hz wide: lines keep their height.
 
-    For show and trends; the decision uses the full resolution.
+    For pictures and trends; the decision uses the full resolution.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ def coarse_spectrum(
 
     Returns
     -------
-    Amplitudes, the middle of the first group and the spacing of the groups, Hz. The same as given
-    where bins are wider than 2/3 Hz already.
+    Amplitudes, the middle of the first group and the spacing of the groups, Hz. Bins wider than
+    2/3 Hz are returned as they are.
 
     >>> amplitude = np.array([1.0, 0.0, 5.0, 0.0, 2.0, 0.0, 0.0, 3.0], np.float32)
     >>> values, first_hz, step_hz = coarse_spectrum(amplitude, 0.25)
@@ -156,7 +156,7 @@ def coarse_spectrum(
     count = -(-len(amplitude) // group)
     padded = np.zeros(count * group, dtype=np.float32)
     padded[: len(amplitude)] = amplitude
-    # Down columns: numpy is slow at the maximum of a few neighbours.
+    # Along columns: numpy is slow at the maximum of a few neighbours.
     highest = np.ascontiguousarray(padded.reshape(count, group).T).max(axis=0)
     return highest, 0.5 * (group - 1) * bin_hz, group * bin_hz
 
@@ -171,9 +171,9 @@ def not_shown(
     bearing: Bearing,
 ) -> list[str]:
     """
-    Smallest fault that a refused window would have shown, and what a longer one would show.
+    Return the smallest detectable fault of a refused window and of a longer one, as reasons.
 
-    Empty where there is no window to speak of: no speed, no samples or broken ones.
+    Empty without a shaft speed, without samples, and with non-finite samples.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> known = {'temperature': 30.0, 'unit': 'm/s^2', 'bearing': find_bearing('6307')}
@@ -204,7 +204,7 @@ def insufficient(
     severity: Severity | None = None,
 ) -> Diagnosis:
     """
-    Diagnosis that names nothing, and says why; with its severity where that could be measured.
+    Return an insufficient diagnosis with its reasons, and with the severity if it was measured.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> verdict = insufficient(['the record is empty'], find_bearing('6307'))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a diagnosis says, and the evidence it rests on."""
+"""Diagnosis of one window: the verdict, its evidence and its spectra."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _unknown() -> dict[str, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrum:
-    """Values over equally spaced frequencies, with their local noise floor where there is one."""
+    """Values at equally spaced frequencies, and their local noise floor if there is one."""
 
     kind: str = 'spectrum'
     """``'spectrum'``: largest amplitude, in ``unit``, in each step of about 1 Hz (see
@@ -41,18 +41,18 @@ class Spectrum:
     """Demodulated band, Hz; the whole range for a plain spectrum."""
     values: NDArray[np.float32] = field(default_factory=_nothing)
     floor: NDArray[np.float32] = field(default_factory=_nothing)
-    """Local floor of ``values``, same length; empty where none."""
+    """Local floor of ``values``, same length; empty if there is none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """Verdict on one window of vibration; see ``Diagnosis.msg`` for the fields on the wire."""
+    """Verdict on one window of vibration; ``Diagnosis.msg`` describes the published fields."""
 
     result: str
     rule: str
     """Name of the rule of :data:`bearing_twin.diagnosis.rules.table.RULES` that decided;
-    'record_gate' where the window was refused, 'another_speed' where a record's shaft shows at
-    another one."""
+    'record_gate' if the window was refused, 'another_speed' if the lines of the shaft show at
+    another speed than the given one."""
     level: str
     faults: tuple[str, ...] = ()
     fault_code: str
@@ -78,10 +78,10 @@ class Diagnosis:
     spectrum: Spectrum
     envelope_spectrum: Spectrum
     window: tuple[str, str] | None = None
-    """Answer and level of this window alone, where others are held; None: the same."""
+    """Answer and level of this window alone, if an earlier answer is held; else None."""
     found_hz: dict[str, float] = field(default_factory=dict)
-    """Frequency at which each family's comb is clearest, Hz, however weak; not on the wire."""
+    """Frequency of the clearest comb of each place, Hz, however weak; not in the message."""
     trust: Trust = field(default_factory=Trust)
-    """What the confidence rests on; not on the wire."""
+    """Basis of the confidence; not in the message."""
     kind: str = ''
-    """Kind of answer to which the confidence belongs; '' where there is none; not on the wire."""
+    """Kind of answer that the confidence belongs to; '' if there is none; not in the message."""

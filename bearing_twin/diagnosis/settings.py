@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of a diagnosis. The defaults suit an unknown machine; none is fitted to a data set."""
+"""Settings of a diagnosis; the defaults suit an unknown machine and are fitted to no data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LONGEST_WINDOW = 60.0
 @dataclass(frozen=True, kw_only=True)
 class DiagnosisSettings:
     """
-    What the user may choose.
+    Settings of a diagnosis, with their units and ranges.
 
     Raises
     ------
@@ -28,13 +28,13 @@ class DiagnosisSettings:
     speed_tolerance: float = quantity(
         0.02, 'Uncertainty of the parameter shaft_hz, as a fraction of the speed.', '', 0.0, 0.1
     )
-    """2 % is a nameplate against the real slip."""
+    """2 % is the error of a nameplate speed, because the slip of the motor depends on its load."""
     measured_speed_tolerance: float = quantity(
         0.002, 'Uncertainty of a speed that comes with the samples or from a joint.', '', 0.0, 0.1
     )
     window: float = quantity(8.0, 'Length of the sliding window.', 's', 1.0, LONGEST_WINDOW)
-    """Eight seconds hold 200 turns at 25 Hz: enough to separate a line of one race from a sideband
-    of the other, and for the 40 cage turns that a cage fault needs."""
+    """Eight seconds are 200 turns at 25 Hz: enough to separate a line of one race from a sideband
+    of the other, and more than the 40 cage turns that a cage fault needs."""
     update_interval: float = quantity(1.0, 'Time between verdicts.', 's', 0.2, 60.0)
     unit: str = quantity(
         '', "Unit of the samples, 'm/s^2' or 'g'; '' to believe the message.",
@@ -66,7 +66,7 @@ class DiagnosisSettings:
         's',
         0.0,
         1e8,
-        # A stream and a series keep different states: neither may overwrite the other's.
+        # A stream and a series keep different states, which must not overwrite each other.
         running=False,
     )
     series_snapshot: float = quantity(
@@ -78,7 +78,7 @@ class DiagnosisSettings:
 
     @property
     def averages(self) -> bool:
-        """Whether the memory holds a window before the newest, so that they can be averaged."""
+        """Whether the memory holds an earlier window, so that windows can be averaged."""
         return self.memory >= 2.0 * self.window
 
     def __post_init__(self) -> None:

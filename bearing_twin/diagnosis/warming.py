@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Compilation ahead of time."""
+"""Compilation of the diagnosis before its first use."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ RATE, SHAFT_HZ = 25600, 25.0
 
 def warm_up() -> None:
     """
-    Compile, or load from the cache, everything that a diagnosis calls.
+    Compile, or load from the cache, all compiled functions of a diagnosis.
 
-    A second of impacts on an inner race is diagnosed: of what is healthy less is asked.
+    It diagnoses a second of inner race impacts: a healthy signal calls fewer functions.
 
     Examples
     --------
@@ -30,7 +30,7 @@ def warm_up() -> None:
     for at in (RATE * impacts).astype(int):
         x[at : at + 8] += 20.0 * (-0.7) ** np.arange(8)
     diagnose_record(x, RATE, bearing, SHAFT_HZ)
-    # Asked only beside the comb of another race, or where the cage leads.
+    # Called only beside the comb of another race, or if the cage's comb is the strongest.
     OrderSpectra.of_lines(np.ones(1)).line_power(np.ones(1), slice(1))
-    # Asked only where the speed varies.
+    # Called only if the speed varies.
     resample(np.zeros(4), np.zeros(1))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One window of vibration: everything that is computed before it is judged."""
+"""Analysis of one window of vibration, before the rules are applied."""
 
 from __future__ import annotations
 
@@ -52,23 +52,23 @@ class Window:
     low: NDArray[np.float32]
     """Power spectrum of the low-passed signal, bin k at k / seconds."""
     segments: Sequence[Segment]
-    """Oldest first."""
+    """Segments of the window, oldest first."""
     lap: int
-    """Envelope points by which a segment fades into the next."""
+    """Overlap of a segment with the next, envelope points."""
     equal_angles: NDArray[np.float64] | None
-    """Envelope points at equal angles where the speed varies."""
+    """Positions of equal shaft angles, envelope points; None if the speed is steady."""
 
     @property
     def revolutions(self) -> float:
-        """Turns of the shaft."""
+        """Turns of the shaft in the window."""
         return self.seconds * self.speed.shaft_hz
 
     def kurtosis(self) -> float:
-        """Kurtosis of half of the segments at least, without single shocks."""
+        """Return the median kurtosis of the segments, single shocks limited."""
         return statistics.median_low(segment.kurtosis for segment in self.segments)
 
     def ball_passages(self, bearing: Bearing) -> float:
-        """Significance of a ball that strikes in groups, in the narrow bands that are capped."""
+        """Return the significance of a ball's impacts in groups, in the narrow capped bands."""
         count = len(self.bands)
         narrow = slice(count - (count + 1) // 2, count)
         parts = [np.concatenate(each.envelopes, axis=1)[:, narrow] for each in self.segments]
@@ -78,7 +78,7 @@ class Window:
         return ball_passages(joined, self.revolutions, bearing)
 
     def index_by_power(self, order: float, band: tuple[float, float]) -> float:
-        """Modulation index of a comb in a band, Hz, if each segment counts by its power there."""
+        """Return the modulation index of a comb in a band, Hz, with segments weighted by power."""
         first, end = (round(edge / self.bin_hz) for edge in band)
         powers = np.array([each.lines[first:end].sum() for each in self.segments])
         powers /= max(powers.mean(), 1e-30)
@@ -105,9 +105,9 @@ def analyse_window(
     unit: str = '',
 ) -> Window:
     """
-    Everything that is computed before windows are averaged and judged.
+    Return the analysis of one window, before windows are averaged and judged.
 
-    The segments come oldest first, in their layout, with the speed of the shaft during the window.
+    The segments are in order of time, oldest first. ``turning`` is the shaft speed during them.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
