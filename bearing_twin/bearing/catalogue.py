@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bearings of published geometry, from the data file beside this module."""
+"""Catalogue of bearings with published geometry, and lookup by designation."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ if TYPE_CHECKING:
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
 _SUFFIX = r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|tn9?|jem|m|j|n|nr)'
 _WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFIX}){{0,8}}'
-"""A designation with what changes neither balls nor pitch diameter. E (as in ETN9) does: it stands
-for more or larger balls. Without a bound on the suffixes a name of 45 letters takes hours."""
+"""Pattern of a designation with maker and suffixes that change neither balls nor pitch diameter.
+The suffix E (as in ETN9) is not among them: it stands for more or larger balls. Without a limit on
+the number of suffixes, matching a name of 45 letters takes hours."""
 LONGEST_NAME = 100
-"""Most of an unknown name that is compared and repeated, characters."""
+"""Characters of an unknown name that are compared and shown in messages."""
 
 
 @functools.cache
@@ -77,14 +78,14 @@ def find_bearing(name: str) -> Bearing:
     """
     Return the bearing called ``name``.
 
-    Upper and lower case are the same. The maker before a designation and the seals, shields,
-    cage and clearance behind it change no fault order: ``'SKF 6205-2RS JEM'`` is 6205, and 61805
-    and 61905 are 6805 and 6905. A geometry as :func:`own_bearing` takes it is a name too.
+    Case is ignored. A maker before the designation and suffixes of seals, shields, cage and
+    clearance are ignored too, since they change no fault order: ``'SKF 6205-2RS JEM'`` is 6205.
+    61805 and 61905 are 6805 and 6905. A geometry in the form of :func:`own_bearing` also works.
 
     Raises
     ------
     BearingTwinError
-        If there is none of that name; the text lists the closest ones.
+        If no bearing has that name; the message lists the closest names.
 
     Examples
     --------
@@ -123,7 +124,7 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
     folded = _designation(folded) or folded
 
     def unlike(bearing: Bearing) -> tuple[int, float]:
-        # A designation is read digit by digit: equal digits at equal places count first.
+        # Each digit of a designation has its own meaning: equal digits at equal places come first.
         known = bearing.name.casefold()
         same = sum(one == other for one, other in zip(known, folded, strict=False))
         return -same, -difflib.SequenceMatcher(None, known, folded).ratio()
@@ -132,7 +133,7 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
 
 
 def _designation(folded: str) -> str:
-    """Return the designation in a name with maker and suffixes; '' if there is none."""
+    """Return the designation without maker and suffixes; '' if the name contains none."""
     found = re.fullmatch(_WITH_SUFFIXES, folded)
     if not found:
         return ''
@@ -142,12 +143,12 @@ def _designation(folded: str) -> str:
 
 def named_bearing(name: str) -> Bearing:
     """
-    Return the bearing of the catalogue that a text names, as the files of data sets do.
+    Return the catalogue bearing named in a description, such as the metadata of a data set.
 
     Raises
     ------
     BearingTwinError
-        If it names none.
+        If the text names no bearing of the catalogue.
 
     Examples
     --------
@@ -169,7 +170,7 @@ def named_bearing(name: str) -> Bearing:
 
 def own_bearing(geometry: str) -> Bearing:
     """
-    Return a ball bearing that is in no catalogue; its name is the text given.
+    Return a ball bearing from its geometry; its name is the text given.
 
     Parameters
     ----------
@@ -179,7 +180,7 @@ def own_bearing(geometry: str) -> Bearing:
     Raises
     ------
     BearingTwinError
-        If the text is something else or such a bearing cannot be built.
+        If the text has another form or the geometry is impossible.
 
     Examples
     --------
@@ -214,10 +215,10 @@ def own_bearing(geometry: str) -> Bearing:
 
 def bearing_of_orders(name: str, orders: FaultFrequencies) -> Bearing:
     """
-    Return the ball bearing that has the fault orders ``orders`` without slip.
+    Return the ball bearing whose fault orders without slip are ``orders``.
 
-    The orders tell number of balls, gamma and the ratio of ball to pitch diameter, not the size:
-    a pitch diameter of 50 mm is assumed.
+    The orders determine the number of balls, gamma and the ratio of ball to pitch diameter, but
+    not the size: a pitch diameter of 50 mm is assumed.
 
     Raises
     ------
@@ -238,7 +239,7 @@ def bearing_of_orders(name: str, orders: FaultFrequencies) -> Bearing:
     if not (0.0 < ftf < bpfo < bpfi < 100.0 and bsf > 0.0 and abs(count - round(count)) < 0.05):
         raise BearingTwinError(msg)
     gamma = (bpfi - bpfo) / count
-    # A ratio below gamma is rounding: the contact angle is zero.
+    # A ratio below gamma comes from rounding: the contact angle is zero.
     ratio = max(0.5 * (1.0 - gamma * gamma) / bsf, gamma)
     try:
         return Bearing(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bearing geometry and the fault frequencies that follow from it."""
+"""Bearing geometry and fault frequencies."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class FaultFrequencies(NamedTuple):
     """
     The four characteristic frequencies of a bearing with a fixed outer ring.
 
-    The unit is that of the shaft speed they were computed with: Hz for :func:`fault_frequencies`,
-    multiples of the shaft speed ("orders") for :func:`fault_orders`.
+    :func:`fault_frequencies` returns them in Hz, :func:`fault_orders` in multiples of the shaft
+    speed ("orders").
     """
 
     bpfo: float
@@ -30,7 +30,9 @@ class FaultFrequencies(NamedTuple):
 
     def impacts(self, place: str) -> float:
         """
-        How often a defect strikes: a ball strikes both races, so twice in each spin.
+        Return the impact frequency of a defect at ``place``, in the unit of the other fields.
+
+        A ball defect strikes both races, so twice in each spin.
 
         >>> FaultFrequencies(bpfo=3.1, bpfi=4.9, bsf=2.0, ftf=0.38).impacts('ball')
         4.0
@@ -61,21 +63,22 @@ class Bearing:
     contact_angle
         Contact angle, rad, 0 to below pi/2.
     element
-        ``'ball'`` or ``'roller'``. The frequencies are the same; the contact is not, so that the
-        twin simulates only balls.
+        ``'ball'`` or ``'roller'``. The fault frequencies are the same. The contact differs, and
+        the twin simulates only balls.
     rows
-        Rows of elements, 1 or 2, `n_balls` in each.
+        Rows of elements, 1 or 2, with `n_balls` in each.
     bore, outside, width
         Boundary dimensions, m; None: not published.
     dynamic_rating, static_rating
-        C_r and C_0r of the maker, N; None: not published.
+        Basic radial load ratings C_r and C_0r of the maker, N; None: not published.
     series
-        Dimension series whose friction constants hold, e.g. ``'63'``; '': not known.
+        Dimension series, which selects the friction constants, e.g. ``'63'``; '': not known.
     kind
         Type of bearing, e.g. ``'deep groove ball'``.
     basis
-        How well the balls are known: ``'published'``; ``'inferred'`` from a maker's ratings, which
-        no other balls give; ``'estimated'``: the likeliest of several; ``'given'`` by the user.
+        Where number and diameter of the balls come from: ``'published'``; ``'inferred'`` from a
+        maker's ratings, which only these balls give; ``'estimated'``: the likeliest of several
+        that fit; ``'given'`` by the user.
     source
         Where the geometry was published.
 
@@ -156,7 +159,7 @@ class Bearing:
 
     @property
     def mean_diameter(self) -> float:
-        """Mean of bore and outside diameter, m, as catalogues take it; else the pitch diameter."""
+        """Mean of bore and outside diameter, m; the pitch diameter if these are not known."""
         if self.bore is None or self.outside is None:
             return self.d_pitch
         return 0.5 * (self.bore + self.outside)
@@ -171,14 +174,14 @@ def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
     bearing
         Geometry.
     slip
-        Cage slip: the cage turns at ``(1 - slip)`` of its kinematic speed. It lowers BPFO and FTF
-        in proportion and raises BPFI so that ``bpfo + bpfi == n_balls`` holds for every slip.
+        Cage slip: the cage turns at ``(1 - slip)`` of its kinematic speed. Slip lowers BPFO and
+        FTF in proportion and raises BPFI: ``bpfo + bpfi == n_balls`` holds for every slip.
 
     Notes
     -----
-    Zhang et al., Symmetry 2023, 15, 2166, section 2, with d the ball and D the pitch diameter
-    (the paper's text calls them ring diameters; its numbers are ball and pitch diameter).
-    The ball spin is taken in the frame of the slipping cage.
+    Zhang et al., Symmetry 2023, 15, 2166, section 2. d is the ball and D the pitch diameter: the
+    paper's text calls them ring diameters, but its numbers are ball and pitch diameter. The ball
+    spin is relative to the slipping cage.
 
     Examples
     --------

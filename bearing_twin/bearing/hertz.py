@@ -21,12 +21,14 @@ POISSON_STEEL = 0.3
 CONFORMITY = {'inner': 0.515, 'outer': 0.525}
 """Groove radius over ball diameter."""
 Ellipse: TypeAlias = tuple[float, float, float, float]
-"""Of a contact: sum of the curvatures, 1/m, ratio of the half axes, and its K and E."""
+"""Contact ellipse: sum of curvatures, 1/m, ratio of the half axes, elliptic integrals K and E."""
 
 
 def elliptic_integrals(m: float) -> tuple[float, float]:
     """
-    Complete elliptic integrals K(m) and E(m), 0 <= m < 1, by the arithmetic-geometric mean.
+    Return the complete elliptic integrals K(m) and E(m), 0 <= m < 1.
+
+    They are computed with the arithmetic-geometric mean.
 
     Abramowitz and Stegun, Handbook of Mathematical Functions, 17.6.
 
@@ -66,7 +68,7 @@ def contact_stiffness(
     -----
     Harris and Kotzalas, Essential Concepts of Bearing Technology, 5th ed., chapter 6: the
     ellipticity is the root of F(rho) = ((k^2 + 1) E - 2 K) / ((k^2 - 1) E), the approach is
-    delta = delta* (3 Q / (2 sum(rho) E'))^(2/3) sum(rho) / 2, here with exact integrals.
+    delta = delta* (3 Q / (2 sum(rho) E'))^(2/3) sum(rho) / 2. The elliptic integrals are exact.
 
     Examples
     --------
@@ -88,15 +90,15 @@ def contact_pressure(
     """
     Greatest pressure between a ball and a ``race``, Pa, under a ``force`` in N.
 
-    Which race presses harder depends on the bearing: the inner one curves away from the ball, the
-    outer one has the wider groove, which counts more where balls are small. Half axes
-    ``a = (2 k^2 E / pi)^(1/3) (3 Q / (sum(rho) E'))^(1/3)`` and ``b = a / k``, pressure
+    Which race has the higher pressure depends on the bearing: the inner race curves away from the
+    ball; the outer race has the wider groove, which matters more for small balls. The half axes
+    are ``a = (2 k^2 E / pi)^(1/3) (3 Q / (sum(rho) E'))^(1/3)`` and ``b = a / k``, the pressure is
     ``3 Q / (2 pi a b)`` (Harris and Kotzalas, chapter 6).
 
     Examples
     --------
-    The static rating of a 6205 presses its hardest pressed ball, 5/Z of the load, with the 4.2 GPa
-    that define it, for the conformity that ISO 76 assumes:
+    Under its static rating, the most loaded ball of a 6205 carries 5/Z of the load. Its pressure
+    is the 4.2 GPa that define the rating, with the conformity that ISO 76 assumes:
 
     >>> from bearing_twin.bearing import find_bearing
     >>> bearing = find_bearing('6205')
@@ -128,7 +130,7 @@ def pressure_of(force: float, ellipse: Ellipse) -> float:
 @functools.lru_cache(maxsize=256)
 def ellipses(bearing: Bearing) -> tuple[Ellipse, Ellipse]:
     """
-    Contacts of a ball with inner and outer race, as `pressure_of` takes them.
+    Return the contact ellipses of a ball on the inner and outer race, for `pressure_of`.
 
     Examples
     --------
@@ -170,7 +172,7 @@ def load_deflection_factor(bearing: Bearing, *, young: float = YOUNG_STEEL) -> f
     """
     Load-deflection factor K_b of a ball between both races, N/m^1.5.
 
-    Two contacts in series: ``K = (K_i^(-2/3) + K_o^(-2/3))^(-3/2)`` (Harris and Kotzalas,
+    The contacts are in series: ``K = (K_i^(-2/3) + K_o^(-2/3))^(-3/2)`` (Harris and Kotzalas,
     chapter 7).
 
     Examples
@@ -186,10 +188,11 @@ def load_deflection_factor(bearing: Bearing, *, young: float = YOUNG_STEEL) -> f
 
 def radial_factor(bearing: Bearing) -> float:
     """
-    Factor between the radial displacement at a ball and its radial force, N/m^1.5.
+    Ratio of a ball's radial force to its radial displacement^1.5, N/m^1.5.
 
-    The ball is pressed in by ``delta cos(alpha)`` and ``cos(alpha)`` of its force is radial, so
-    that ``K_r = K cos(alpha)^2.5`` (Harris and Kotzalas, chapter 7, with a constant angle).
+    A radial displacement delta deforms the ball by ``delta cos(alpha)``, and ``cos(alpha)`` of the
+    contact force is radial, so ``K_r = K cos(alpha)^2.5`` (Harris and Kotzalas, chapter 7, with a
+    constant contact angle).
 
     Examples
     --------

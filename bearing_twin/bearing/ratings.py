@@ -27,9 +27,9 @@ D_w cos(alpha) / D_pw = 0, 0.01 ... 0.40."""
 
 def _looked_up(table: tuple[float, ...], gamma: float, first: float) -> float:
     """
-    Return the value of a table in steps of 0.01 of gamma by linear interpolation.
+    Return the linearly interpolated value of a table with steps of 0.01 in gamma.
 
-    Beyond a table, where no ball bearing is made, its last value holds.
+    Outside the table, where no ball bearing is made, its end value holds.
     """
     return float(np.interp(gamma, first + 0.01 * np.arange(len(table)), table))
 
@@ -53,11 +53,11 @@ def basic_dynamic_rating(
     """
     Return the basic dynamic radial load rating C_r of a single row, N (ISO 281, 5.1).
 
-    ``gamma`` is D_w cos(alpha) / D_pw; the angle alpha is in rad, and the diameter of a ball in m.
+    ``gamma`` is D_w cos(alpha) / D_pw; the contact angle is in rad, the ball diameter in m.
 
     Examples
     --------
-    The 6205 of a maker, printed as 14.0 kN:
+    A 6205, for which a maker's catalogue has 14.0 kN:
 
     >>> round(basic_dynamic_rating(9, 7.938e-3, 0.2034))
     14021

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The words of a diagnosis: fault places, answers, levels and codes, for every room."""
+"""Vocabulary of the diagnosis: fault places, results, levels, codes and advice."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Literal
 Place = Literal['inner', 'outer', 'ball', 'cage']
 
 PLACES: tuple[Place, ...] = ('inner', 'outer', 'ball', 'cage')
-"""Where a defect sits, in the order of every array that has one element a place."""
+"""Places of a defect, in the order of every array with one element per place."""
 
 RESULTS: tuple[str, ...] = ('healthy', *PLACES, 'suspect', 'ambiguous', 'insufficient')
-"""Every answer of a diagnosis, in the order of the constants of ``Diagnosis.msg``."""
+"""Results of a diagnosis, in the order of the constants of ``Diagnosis.msg``."""
 
 LEVELS: tuple[str, ...] = ('none', 'ok', 'suspect', 'fault')
-"""Every level, from the least to the most urgent; ``none`` makes no statement."""
+"""Levels, from the least to the most urgent; ``none`` makes no statement."""
 
 FAULT_CODES: dict[str, str] = {
     'healthy': 'BEARING_OK',
@@ -27,7 +27,7 @@ FAULT_CODES: dict[str, str] = {
     'ambiguous': 'BEARING_AMBIGUOUS',
     'insufficient': 'BEARING_NO_STATEMENT',
 }
-"""Stable code of every answer, for programs that react to it."""
+"""Stable code of each result, for programs that react to it."""
 
 TITLES: dict[str, str] = {
     'healthy': 'Healthy',
@@ -39,10 +39,10 @@ TITLES: dict[str, str] = {
     'ambiguous': 'Ambiguous',
     'insufficient': 'Insufficient',
 }
-"""Heading of every answer, for people."""
+"""Heading of each result, for people."""
 
 STAGES: tuple[str, ...] = ('', 'incipient', 'developing', 'advanced', 'severe')
-"""Name of every stage of a defect, 1 to 4; 0: the stage is not known."""
+"""Names of the stages of a defect, 1 to 4; 0: the stage is not known."""
 
 STAGE_STEPS: tuple[str, ...] = (
     'record again soon; if the level rises, plan to replace the bearing',
@@ -51,7 +51,7 @@ STAGE_STEPS: tuple[str, ...] = (
     'replace the bearing at the next planned stop',
     'stop the machine as soon as it is safe and replace the bearing',
 )
-"""What to do about a defect of every stage, for people; 0: the stage is not known."""
+"""Advice for each stage of a defect, for people; 0: the stage is not known."""
 
 _STEPS: dict[str, str] = {
     'healthy': 'nothing; go on measuring at the same speed and load',
@@ -64,20 +64,20 @@ _STEPS: dict[str, str] = {
 
 def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bool = False) -> str:
     """
-    Return what to do after an answer, for people.
+    Return the advice for a result, for people.
 
     Parameters
     ----------
     result : str
-        The answer, one of ``RESULTS``.
+        One of ``RESULTS``.
     stage : int
-        Stage of the defect, an index of ``STAGES``; it decides where a place is named, and where
-        it is one of several.
+        Stage of the defect, an index of ``STAGES``; it counts when the result is a place or
+        *ambiguous*.
     urgent : bool
-        Whether the vibration is that of a damaged machine; where a place is named, more than
-        its fault alone asks for.
+        Whether the vibration severity is that of a damaged machine. When the result is a place,
+        the severity must exceed what that fault alone explains.
     standing : bool
-        Whether the shaft stands still; asked where the answer is *insufficient*.
+        Whether the shaft stands still; it counts when the result is *insufficient*.
 
     Returns
     -------
@@ -108,6 +108,6 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
     if standing and result == 'insufficient':
         return 'measure while the shaft turns'
     if result == 'ambiguous' and stage:
-        # The bearing is damaged, in whichever of its places.
+        # The bearing is damaged; only the place is not known.
         return f'{STAGE_STEPS[stage]}; {_STEPS[result]}'
     return _STEPS.get(result, STAGE_STEPS[0])

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Compilation with its cache, vector registers, and random numbers by count."""
+"""Compilation of kernels and its cache, vector registers, counter-based random numbers."""

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Compilation of the kernels: cached where that is possible, and never stale.
+Compilation of the kernels with numba, and the cache of the compiled code.
 
-Numba's cache looks at the file of a function only, not at those of the functions that it calls.
-Here the sources of those in other files are part of the folder's name, so code compiled from other
-sources is never found, wherever the cache lies.
+Numba's cache checks the source file of a function, but not the files of the functions that it
+calls. Here a digest of all these sources is part of the cache folder's name, so code compiled from
+other sources is never loaded.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 
 
 FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
-"""Floating point freedom of the kernels; the same machine still gives the same bits."""
+"""Fast-math flags of the kernels; results on one machine remain the same to the bit."""
 
 SHARED = (
     *('numerics/*.py', 'bearing/*.py', 'thermal/*.py', 'dynamics/**/*.py'),
     'diagnosis/signal/lines.py',
     'diagnosis/signal/stockham.py',
 )
-"""Files of the package from which compiled code of other files takes functions and numbers."""
+"""Files whose functions or constants are compiled into the code of other files."""
 
 _numba: Any = nb.config
 
@@ -54,16 +54,16 @@ def compiled(
     inline
         Copy the function into its callers.
     fast
-        Flags of floating point freedom, e.g. `FAST`.
+        Fast-math flags, e.g. `FAST`.
     borrows
-        The function makes no arrays. References to those it is given are then not counted, which
-        is atomic and would cost as much as the arithmetic of a step.
+        The function makes no arrays. Numba then does not count references to the arrays it is
+        given: atomic counting would cost as much as the arithmetic of a step.
 
     Notes
     -----
-    Division follows numpy: a check for zero would put an exception, and with it reference
-    counting, into every inner loop. Where no cache can be written the function is compiled anew
-    in each process.
+    Division by zero follows numpy: a check would put an exception, and with it reference
+    counting, into every inner loop. Where no cache can be written, each process compiles the
+    function again.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def compiled(
             'inline': 'always' if inline else 'never',
             'fastmath': set(fast) or False,
             'error_model': 'numpy',
-            # Other threads go on meanwhile: the diagnosis of an offline run, for one.
+            # Other threads run meanwhile, e.g. the diagnosis of an offline run.
             'nogil': True,
         }
         if borrows:
@@ -88,7 +88,7 @@ def compiled(
         if folder is None:
             plain: F = nb.njit(**options)(function)
             return plain
-        # Numba reads the folder while it decorates; other users of numba keep theirs.
+        # Numba reads this setting while it decorates; other users of numba keep their own.
         before = _numba.CACHE_DIR
         _numba.CACHE_DIR = str(folder)
         try:
@@ -102,7 +102,7 @@ def compiled(
 
 def has_compiled() -> bool:
     """
-    Whether this process has compiled anything, or begun to; what the cache holds is but loaded.
+    Whether this process has compiled anything or begun to; loading from the cache does not count.
 
     >>> has_compiled() in (True, False)
     True
@@ -112,7 +112,7 @@ def has_compiled() -> bool:
 
 
 class _Passes(event.Listener):
-    """Takes note of the first pass of the compiler."""
+    """Records that a pass of the compiler has begun."""
 
     seen = False
 
@@ -130,10 +130,10 @@ event.register('numba:run_pass', _passes)  # type: ignore[no-untyped-call]
 @functools.cache
 def cache_folder() -> Path | None:
     """
-    Folder of the code compiled from the present sources; None where none can be written.
+    Return the cache folder for the present sources; None if no folder can be written.
 
-    ``NUMBA_CACHE_DIR`` if it is set; otherwise beside the sources, and where these belong to
-    someone else the user's cache folder (``XDG_CACHE_HOME``, by default ``~/.cache``).
+    It lies in ``NUMBA_CACHE_DIR`` if that is set, otherwise beside the sources or, if they are
+    read-only, in the user's cache folder (``XDG_CACHE_HOME``, by default ``~/.cache``).
 
     Examples
     --------
@@ -178,11 +178,11 @@ def processor() -> str:
 @functools.cache
 def other_processors() -> list[str]:
     """
-    Return the processors whose code lay in the cache where there was none for the present one.
+    Return the processors that the cache has code for, if it has none for the present one.
 
-    Numba keeps code by name and features of the processor, and does not use that of another: a
-    folder that was copied or is shared costs another compilation, no wrong results. It is looked
-    at once, at the first call.
+    Numba stores code by processor name and features and never loads code of another processor: a
+    copied or shared folder costs another compilation, but gives no wrong results. Only the first
+    call reads the folder.
 
     Examples
     --------
@@ -201,14 +201,14 @@ def other_processors() -> list[str]:
 
 
 def _target() -> tuple[str, ...]:
-    """Return what numba keeps code apart by: architecture, processor and its features."""
+    """Return numba's key of compiled code: architecture, processor and its features."""
     from numba.core.registry import cpu_target
 
     return tuple(cpu_target.target_context.codegen().magic_tuple())
 
 
 def _digest() -> str:
-    """Return the digest of what compiled code depends on, besides the processor."""
+    """Return the digest of numba's version and the sources in `SHARED`."""
     package = Path(__file__).parents[1]
     digest = hashlib.sha256(nb.__version__.encode())
     for pattern in SHARED:
@@ -218,7 +218,7 @@ def _digest() -> str:
 
 
 def _drop_old(base: Path) -> None:
-    """Remove what other sources left behind and nobody has used for 30 days."""
+    """Remove cache folders that have not been used for 30 days."""
     for folder in base.glob('bearing_twin-' + '?' * 16):
         if time.time() - folder.stat().st_mtime > 30 * 86400:
             shutil.rmtree(folder, ignore_errors=True)

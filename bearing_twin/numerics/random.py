@@ -3,9 +3,9 @@
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Counter-based random numbers: sample k of a stream is a function of (seed, k), not of history.
+Counter-based random numbers: sample k of a stream depends only on the seed and k.
 
-No state has to be carried, so splitting a block or restoring a simulator changes no bit.
+There is no generator state, so splitting a block or restoring a simulator changes no bit.
 Philox2x32-10 of Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3",
 SC11, followed by Box and Muller's transform in single precision, free of branches and calls so
 that the compiler works on many samples, or many bearings, at once.
@@ -46,9 +46,10 @@ def _philox_round(low, high, key):
 @compiled(inline=True)
 def philox(counter_low, counter_high, key):
     """
-    Ten rounds of Philox2x32 on uint64 values below 2^32; returns two of them.
+    Return two random uint64 below 2^32 after ten rounds of Philox2x32.
 
-    Written out: a loop in here would keep the caller's loop over samples from being vectorised.
+    The rounds are written out: a loop here would prevent vectorising the caller's loop over
+    samples.
     """
     low, high, key = _philox_round(counter_low, counter_high, key)
     low, high, key = _philox_round(low, high, key)
@@ -75,7 +76,7 @@ def _log(u):
 
 @compiled(inline=True, fast=FAST)
 def _log_of(exponent, m):
-    """Logarithm of ``m`` times 2 to the ``exponent``, ``m`` in 0.707..1.414; numbers or values."""
+    """Natural logarithm of ``m 2^exponent``, ``m`` in 0.707..1.414; for numbers or `FLOATS`."""
     t = m - _F(1.0)
     p = _F(7.0376836292e-2) * t - _F(1.1514610310e-1)
     p = p * t + _F(1.1676998740e-1)
@@ -102,7 +103,7 @@ def normal_pair(index, stream, seed):
     a, b = philox(low, high, np.uint64(seed) & _LOW)
     u = (_F(np.int32(a >> _EIGHT)) + _F(0.5)) * _F(2.0**-24)
     radius = np.sqrt(_F(-2.0) * _log(u))
-    # 30 bits place the angle in a quarter turn about 0, two choose the quarter.
+    # 30 bits give the angle in the quarter turn around 0, two bits choose the quarter.
     angle = _F(np.int32(b & _FRACTION)) * _QUARTER_TURN - _EIGHTH
     c, s = sines(angle)
     quarter = b >> _QUADRANT
@@ -115,7 +116,7 @@ def normal_pair(index, stream, seed):
 
 @compiled(inline=True, fast=FAST)
 def normal_pairs(index, stream, seeds):
-    """As `normal_pair` for sixteen seeds, `vector.WORDS`."""
+    """Like `normal_pair`, for sixteen seeds (`vector.WORDS`)."""
     k = np.uint64(index)
     low = splat(k & _LOW)
     high = splat((k >> _SHIFT) | (np.uint64(stream) << _STREAM))

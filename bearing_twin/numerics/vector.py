@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-# Numba calls what is below while it compiles; its own interfaces have no types.
+# Numba calls these functions while it compiles; its own interfaces have no types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,no-any-unimported,misc"
 """
-Sixteen numbers of single precision as one value of compiled code.
+Vector types for compiled code: sixteen single-precision numbers as one value.
 
-The compiler turns loops over arrays into vector instructions, but by itself only of 256 bits, only
-where it sees that nothing overlaps, and with every result written to memory. A value of `FLOATS`
-is a register of 512 bits, or two of 256, or four of 128, as the processor has them. Operators act
-on each number; the other operand may be a scalar. No function here can be called from Python.
+By itself the compiler vectorises loops over arrays with 256 bits only, only where it can prove
+that arrays do not overlap, and it writes every result to memory. A value of `FLOATS` is one
+register of 512 bits, two of 256 or four of 128, depending on the processor. Operators act on each
+number; the other operand may be a scalar. Vectors exist in compiled code only.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ import numpy as np
 import numpy.typing as npt
 
 L = 16
-"""Numbers in a value."""
+"""Lanes: numbers in one vector value."""
 _F = np.float32
 
 _intrinsic: Any = intrinsic
-"""Of any type: its arguments are not those that compiled code gives."""
+"""Typed as Any: compiled code passes other arguments than the Python function declares."""
 _BYTES = 64
-"""A value that crosses a cache line is loaded twice."""
+"""Length of a cache line; a value that crosses one is loaded twice."""
 _FLAGS = ('contract', 'nsz', 'arcp', 'nnan', 'ninf')
 _FLOAT = ir.FloatType()
 _VECTOR = ir.VectorType(_FLOAT, L)
@@ -46,7 +46,7 @@ _LONGS = ir.VectorType(_LONG, L)
 
 
 class _Lanes(types.Type):
-    """Vector of sixteen values of one kind; `_LANES` has the kinds."""
+    """Numba type of a vector of sixteen values; `_LANES` lists the element types."""
 
 
 FLOATS, MASK, WORDS = (_Lanes(f'{name}{L}') for name in ('Floats', 'Mask', 'Words'))
@@ -61,7 +61,7 @@ class _LanesModel(models.PrimitiveModel):
 
 def aligned(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
     """
-    Array of zeros that begins at a cache line.
+    Return an array of zeros that begins at a cache line.
 
     Examples
     --------
@@ -81,7 +81,7 @@ _PAIRS = ((FLOATS, FLOATS), *((FLOATS, s) for s in _SCALARS), *((s, FLOATS) for 
 
 
 def _same(builder, value, kind):
-    """Repeat a scalar."""
+    """Repeat a scalar in all lanes; return a vector as it is."""
     if kind in (FLOATS, WORDS):
         return value
     if kind == types.float64:
@@ -92,12 +92,12 @@ def _same(builder, value, kind):
 
 
 def _declare(function, *signatures) -> None:
-    """Let an operator take these types."""
+    """Declare the type signatures of an operator to numba."""
     infer_global(function)(type(function.__name__, (ConcreteTemplate,), {'cases': signatures}))
 
 
 def _define(function, result, build, pairs=_PAIRS) -> None:
-    """Let an operator build its code for two values, or a value and a scalar."""
+    """Define the code of an operator for two vectors, or a vector and a scalar."""
     _declare(function, *(signature(result, *pair) for pair in pairs))
 
     def code(context, builder, sig, args):
@@ -150,7 +150,7 @@ def _place(context, builder, array, kind, row, vector=_VECTOR):
 
 @_intrinsic
 def load(typing, array, row):
-    """Sixteen numbers of a flat float32 or uint64 array, from ``16 row`` on."""
+    """Load elements ``16 row`` to ``16 row + 15`` of a flat float32 or uint64 array."""
     lanes = FLOATS if array.dtype is types.float32 else WORDS
 
     def code(context, builder, sig, args):
@@ -164,7 +164,7 @@ def load(typing, array, row):
 
 @_intrinsic
 def load_from(typing, address, row):
-    """Sixteen numbers of single precision from ``64 row`` bytes behind an address on."""
+    """Load sixteen float32 that begin ``64 row`` bytes after an address."""
 
     def code(context, builder, sig, args):
         place = builder.inttoptr(args[0], _VECTOR.as_pointer())
@@ -178,10 +178,10 @@ def load_from(typing, address, row):
 @_intrinsic
 def load_fours(typing, array, begins, row, pair, ahead):
     """
-    Four consecutive numbers of a flat float32 array for each of sixteen places, as four values.
+    Load four consecutive elements of a flat float32 array per lane, as four vectors.
 
-    Number k is from ``begins[16 row + k] + 2 pair[k]`` on; ``begins`` is an int64 array. What is
-    ``ahead[k]`` pairs further will be needed: it is fetched into the cache.
+    Lane k begins at ``begins[16 row + k] + 2 pair[k]``; ``begins`` is an int64 array. If ``ahead``
+    is a vector, the elements ``ahead[k]`` pairs further are prefetched into the cache.
     """
 
     def code(context, builder, sig, args):
@@ -211,7 +211,7 @@ def load_fours(typing, array, begins, row, pair, ahead):
             four = builder.load(builder.bitcast(place, ir.VectorType(_FLOAT, 4).as_pointer()))
             four.align = 4
             fours.append(four)
-        # All end to end, then every fourth number.
+        # Join all sixteen end to end, then take every fourth number.
         while len(fours) > 1:
             length = fours[0].type.count
             joined = ir.Constant(ir.VectorType(_INT, 2 * length), list(range(2 * length)))
@@ -233,7 +233,7 @@ def load_fours(typing, array, begins, row, pair, ahead):
 
 @_intrinsic
 def store(typing, array, row, value):
-    """Put sixteen numbers into a flat float32 array, from ``16 row`` on."""
+    """Store sixteen numbers in a flat float32 array, from element ``16 row`` on."""
 
     def code(context, builder, sig, args):
         place = _place(context, builder, args[0], sig.args[0], args[1])
@@ -245,7 +245,7 @@ def store(typing, array, row, value):
 
 @_intrinsic
 def splat(typing, scalar):
-    """Sixteen times the same float32 or uint64."""
+    """Return a vector with the same float32 or uint64 in all lanes."""
 
     def code(context, builder, sig, args):
         return _same(builder, args[0], scalar)
@@ -255,7 +255,7 @@ def splat(typing, scalar):
 
 @_intrinsic
 def chosen(typing, mask, value, other):
-    """``value`` where the mask is set, ``other`` elsewhere; lanes, or numbers and a condition."""
+    """``value`` where the mask is set, ``other`` elsewhere; for vectors, or scalars and a bool."""
     kind = FLOATS if mask is MASK else types.float64
 
     def code(context, builder, sig, args):
@@ -272,7 +272,7 @@ def chosen(typing, mask, value, other):
 
 @_intrinsic
 def any_of(typing, mask):
-    """Whether the mask is set anywhere; a condition is itself."""
+    """Whether the mask is set in any lane; a bool is returned as it is."""
 
     def code(context, builder, sig, args):
         if mask is not MASK:
@@ -299,7 +299,7 @@ def highest(typing, value):
 
 
 def _function(name):
-    """Give compiled code a function of LLVM's, of lanes or of a number."""
+    """Return an LLVM intrinsic of this name for compiled code; it takes a vector or a scalar."""
 
     def declared(typing, value):
         lanes = value is FLOATS
@@ -317,12 +317,12 @@ def _function(name):
 
 
 root, magnitude, floor = (_function(name) for name in ('sqrt', 'fabs', 'floor'))
-"""Square root, magnitude, and greatest integer that is not above."""
+"""Square root, absolute value, and rounding down, per lane."""
 
 
 @compiled(inline=True, fast=FAST)
 def sines(angle):
-    """Cosine and sine of an angle up to pi/4, to 1e-7; numbers or lanes."""
+    """Cosine and sine of an angle within +-pi/4, rad, to 1e-7; for scalars or vectors."""
     square = angle * angle
     c = _F(2.443315711809948e-5) * square - _F(1.388731625493765e-3)
     c = _F(1.0) - square * (_F(0.5) - square * (c * square + _F(4.166664568298827e-2)))
@@ -333,7 +333,7 @@ def sines(angle):
 
 def cosine_sine(angle: Any) -> tuple[Any, Any]:
     """
-    Cosine and sine of an angle up to pi, of lanes to 5e-7 or of a number.
+    Cosine and sine of an angle within +-pi, rad: of a scalar, or of a vector to 5e-7.
 
     Examples
     --------
@@ -351,7 +351,7 @@ def _cosine_sine(angle):
         return math.cos(angle), math.sin(angle)
 
     def of_lanes(angle):
-        # The angle is quartered, and doubled twice.
+        # Cosine and sine of a quarter of the angle, then two double-angle steps.
         c, s = sines(angle * 0.25)
         c, s = 1.0 - 2.0 * (s * s), 2.0 * (s * c)
         return 1.0 - 2.0 * (s * s), 2.0 * (s * c)
@@ -361,7 +361,7 @@ def _cosine_sine(angle):
 
 @_intrinsic
 def real(typing, words):
-    """Numbers below 2^31 as real ones."""
+    """Convert integers below 2^31 (`WORDS`) to `FLOATS`."""
 
     def code(context, builder, sig, args):
         return builder.sitofp(builder.trunc(args[0], _INTS), _VECTOR)
@@ -371,7 +371,7 @@ def real(typing, words):
 
 @_intrinsic
 def has_bit(typing, words, bit):
-    """Whether a bit is set."""
+    """Return the mask of the lanes whose bit number ``bit`` is set."""
 
     def code(context, builder, sig, args):
         one = _same(builder, builder.shl(ir.Constant(_LONG, 1), args[1]), types.uint64)
@@ -382,7 +382,7 @@ def has_bit(typing, words, bit):
 
 @_intrinsic
 def split(typing, value):
-    """Exponents of 2, and what they leave: 0.707 to 1.414. For positive numbers."""
+    """Split positive numbers into exponents of 2 and mantissas from 0.707 to 1.414."""
 
     def code(context, builder, sig, args):
         bits = builder.bitcast(args[0], _INTS)

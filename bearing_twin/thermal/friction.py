@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Friction moment of a radially loaded deep groove ball bearing: the SKF model.
+Friction moment of a radially loaded deep groove ball bearing (SKF model).
 
 SKF, Rolling bearings, PUB BU/P1 10000/1 EN (2013), chapter "Friction": equations of the frictional
 moment, table 2a (deep groove ball bearings without axial load: G_rr = R1 d_m^1.96 F_r^0.54,
@@ -29,18 +29,18 @@ SERIES = {
 }
 """Geometry constants R1 and S1 of a bearing series."""
 UNKNOWN_SERIES = '62'
-"""Taken where a bearing names no series: a geometry of one's own, or angular contact, for which
-SKF has other equations. R1 is off by 5 % and S1 by 15 % from '60' or '63'."""
+"""Series assumed for a bearing without one: a geometry given by the user, or angular contact, for
+which SKF has other equations. Its R1 differs by 5 % and its S1 by 15 % from '60' and '63'."""
 
 _K_Z = 3.1
 """Geometry constant of single row deep groove ball bearings."""
 _SECTION = 3.3
-"""(outside - bore) over ball diameter; 3.2 to 3.4 over the series 60, 62, 63."""
+"""(outside - bore) over ball diameter; it is 3.2 to 3.4 in the series 60, 62 and 63."""
 
 
 def section_height(bearing: Bearing) -> float:
     """
-    Outside less bore diameter, m; estimated from the ball where they are not published.
+    Outside minus bore diameter, m; estimated from the ball diameter if they are not published.
 
     Examples
     --------
@@ -56,7 +56,9 @@ def section_height(bearing: Bearing) -> float:
 
 def metallic_share(speed_rpm: float, nu: float, mean_diameter: float) -> float:
     """
-    Share phi_bl of metallic contact in the friction, 0 on a full film, 1 without one.
+    Share phi_bl of metallic contact in the sliding friction: 0 with a full film, 1 without film.
+
+    ``speed_rpm`` is in 1/min, the kinematic viscosity ``nu`` in m^2/s, ``mean_diameter`` in m.
 
     Examples
     --------
@@ -70,7 +72,9 @@ def metallic_share(speed_rpm: float, nu: float, mean_diameter: float) -> float:
 
 def sliding_friction(metallic: float, boundary: float, film: float) -> float:
     """
-    Sliding friction coefficient mu_sl between metallic contact and full film.
+    Sliding friction coefficient mu_sl for a share ``metallic`` of metallic contact.
+
+    ``boundary`` and ``film`` are the coefficients of metallic contact and of a full film.
 
     Examples
     --------
@@ -108,7 +112,7 @@ def friction_moment(
     rolling, sliding
         R1 and S1 of `SERIES`.
     replenishment
-        K_rs.
+        Replenishment constant K_rs.
     mu
         Sliding friction coefficient.
 
@@ -135,7 +139,7 @@ def friction_moment(
 
 def power_loss(moment: float, speed_rpm: float) -> float:
     """
-    Heat of friction, W; SKF's 1.05e-4 M n with M in N mm is this.
+    Friction power, W; equal to SKF's 1.05e-4 M n with M in N mm.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Validates the measured temperature: the ODE only sees values inside the tables."""
+"""Validation of the measured temperature before it reaches the model."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 
 PHYSICAL_LOW = -273.15
 PHYSICAL_HIGH = 1000.0
-"""Absolute zero, and what no bearing survives, degC: a reading beyond is a broken sensor."""
+"""Absolute zero, and a temperature that no bearing survives, degC. A reading outside comes from a
+broken sensor."""
 
 RESTART_AFTER = 3
-"""Readings in a row with rising stamps after which a clock that went back is believed."""
+"""Consecutive readings with rising stamps after which a clock that went back is accepted."""
 
 
 class TemperatureStatus(enum.IntEnum):
-    """What became of the measured temperature; values as in ``TwinState.msg``."""
+    """State of the temperature input; values as in ``TwinState.msg``."""
 
     OK = 0
     WAITING = 1
@@ -31,14 +32,14 @@ class TemperatureStatus(enum.IntEnum):
 
 @dataclass(frozen=True)
 class GatedTemperature:
-    """What the gate gives out at one instant."""
+    """Output of the gate at one instant."""
 
     used: float
     """Temperature for the model, degC, always finite and inside the tables."""
     measured: float
     """Last value received, degC; NaN before the first."""
     taken: float
-    """Last valid value, degC, inside the tables or not; NaN before the first."""
+    """Last valid value, degC, before clamping to the tables; NaN before the first."""
     age: float
     """Age of the last valid value, s; NaN before the first."""
     status: TemperatureStatus
@@ -46,26 +47,26 @@ class GatedTemperature:
 
 class TemperatureGate:
     """
-    Hold the last valid temperature and say in what state the input is.
+    Hold the last valid temperature and report the state of the input.
 
     ============================  =============================================================
     input                         behaviour
     ============================  =============================================================
     none yet                      ``start`` is used, WAITING
     older than ``timeout``        the last valid value is held, STALE
-    NaN, infinite, or outside     rejected, the last valid value is held, INVALID; none of them is
-    -273.15..1000 degC            a temperature of a bearing
+    NaN, infinite, or outside     rejected, the last valid value is held, INVALID: no bearing has
+    -273.15..1000 degC            such a temperature
     outside the tables            the nearest end of 20..110 degC is used, CLAMPED
-    stamp not after the last one  rejected, the last valid value is held, BACKWARDS; three
-                                  readings in a row with rising stamps are a restarted source
-                                  and are believed
+    stamp not after the last one  rejected, the last valid value is held, BACKWARDS; the third of
+                                  three consecutive such readings with rising stamps is accepted:
+                                  the source has restarted
     ============================  =============================================================
 
-    STALE wins over what the latest reading was: a source that sends nothing usable for longer
-    than ``timeout`` is no better than a silent one.
+    STALE has priority over the status of the latest reading: a source that sends nothing usable
+    for longer than ``timeout`` is treated like a silent one.
 
-    Age is measured with the receiver's clock, so that a replayed recording with stamps of last
-    year is not stale; stamps only order the readings.
+    Age is measured with the receiver's clock, so a replayed recording with stamps of last year is
+    not stale. Stamps only order the readings.
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ class TemperatureGate:
         value
             Temperature, degC.
         stamp
-            Time of the measurement, ns; 0 where the source gives none (then order is not checked).
+            Time of the measurement, ns; 0 if the source gives none: the order is not checked.
         now
             The receiver's clock, s.
 
@@ -127,7 +128,7 @@ class TemperatureGate:
         if self._arrived is None:
             status = self._status if self._status else TemperatureStatus.WAITING
             return GatedTemperature(self._used, self._measured, self._taken, math.nan, status)
-        # A receiver's clock that was set back must not make an age negative.
+        # The age must not become negative when the receiver's clock is set back.
         self._arrived = min(self._arrived, now)
         age = now - self._arrived
         status = self._status
@@ -136,7 +137,7 @@ class TemperatureGate:
         return GatedTemperature(self._used, self._measured, self._taken, age, status)
 
     def _believe(self, stamp: int) -> bool:
-        """Whether a reading's stamp is in order, or the source has evidently restarted."""
+        """Whether a reading's stamp is in order, or the source has restarted."""
         assert self._stamp is not None
         if stamp > self._stamp:
             return True

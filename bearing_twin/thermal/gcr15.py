@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-GCr15 bearing steel between 20 and 110 degC: tables 1 to 3 of the paper and its factor beta0.
+Temperature tables of GCr15 bearing steel, 20 to 110 degC, and the paper's factor beta0.
 
 Zhang, C.; Liu, T.; Wang, Y.; He, H.; Zhang, C. Symmetry 2023, 15, 2166.
 """
@@ -31,15 +31,15 @@ TABLE_LOW, TABLE_HIGH = float(TEMPERATURES[0]), float(TEMPERATURES[-1])
 EXPANSION_TABLE = _column(5, 6, 7, 9, 9.5, 10, 12, 13, 15, 16)
 """Table 1, instantaneous thermal expansion coefficient in its printed unit (see `alpha`)."""
 HARDNESS_TABLE = _column(67.1, 65.2, 63.6, 63.6, 63.7, 63.8, 63.2, 63.0, 62.8, 62.4)
-"""Table 2, hardness, HRC. It is not monotone: it rises from 63.6 to 63.8 over 50 to 70 degC."""
+"""Table 2, hardness, HRC. It is not monotonic: it rises from 63.6 to 63.8 over 50 to 70 degC."""
 FRICTION_TABLE = _column(
     0.0150, 0.0155, 0.0157, 0.0203, 0.0205, 0.0263, 0.0812, 0.0942, 0.0986, 0.1030
 )
 """Table 3, average friction coefficient, dimensionless."""
 
 BETA0_LOW, BETA0_HIGH = 0.5, 1.5
-"""Limits of beta0 over the tables: beyond them stiffness and spall depth leave every scale at
-which the model was looked at, and the contact is lost or the force is not monotone."""
+"""Limits of beta0 over the tables. The model was not examined with stiffness and spall depth
+outside: contact is lost or the force is not monotonic."""
 
 
 def check_temperature(temperature: float) -> float:
@@ -49,7 +49,7 @@ def check_temperature(temperature: float) -> float:
     Raises
     ------
     BearingTwinError
-        Otherwise: the friction table jumps threefold in 10 K, so nothing is extrapolated.
+        Otherwise. Nothing is extrapolated, since table 3 jumps threefold within 10 K.
 
     Examples
     --------
@@ -75,8 +75,8 @@ def alpha(temperature: float, unit: float = 1e-5) -> float:
     temperature
         degC, 20 to 110.
     unit
-        Unit of table 1, 1/K. Printed is '10^5 K^-1'. ``1e-5`` repairs the lost minus sign and
-        keeps the paper's numbers; ``1e-6`` is the magnitude of real steel (12e-6/K).
+        Unit of table 1, 1/K. The paper prints '10^5 K^-1'. ``1e-5`` restores the lost minus sign
+        and keeps the paper's numbers; ``1e-6`` is the magnitude of real steel (12e-6/K).
 
     Examples
     --------
@@ -117,7 +117,7 @@ def beta0(
     rise: float, alpha: float, hardness: float, friction: float, weights: tuple[float, ...]
 ) -> float:
     """
-    Return the paper's factor on stiffness and defect depth, without any check.
+    Return the paper's factor on stiffness and defect depth; arguments are not checked.
 
     Parameters
     ----------
@@ -126,8 +126,8 @@ def beta0(
     alpha, hardness, friction
         Values at T: 1/K, HRC, dimensionless.
     weights
-        Weight of expansion (0 or 1), of hardness and friction over their reference values, and
-        these reference values.
+        Weight of expansion (0 or 1), weights delta_h and delta_mu of hardness and friction,
+        reference values H0 (HRC) and mu0.
 
     Examples
     --------
@@ -143,20 +143,20 @@ def beta0(
 @dataclass(frozen=True, kw_only=True)
 class Beta0:
     """
-    The paper's factor on stiffness K_b and defect depth C_d, each term switchable.
+    The paper's factor on stiffness K_b and defect depth C_d; each term can be switched off.
 
     ``beta0 = 1 + alpha(T) (T - T0) + delta_h (H(T) - H0)/H0 + delta_mu (mu(T) - mu0)/mu0``
 
-    The paper gives no weight of hardness or friction. With the other defaults ``delta_mu`` can be
-    up to 0.08; above max(0.0025, 0.0126 delta_h) friction is the strongest of the three terms, as
-    the paper claims. H0 is the paper's 63.6 HRC, its value at 40 degC, so that
+    The paper gives no weights of hardness and friction. With the other defaults ``delta_mu`` can
+    be up to 0.08; above max(0.0025, 0.0126 delta_h) friction is the strongest of the three terms,
+    as the paper claims. H0 is the paper's 63.6 HRC. The table has that value at 40 degC, so
     ``beta0(20) = 1 + 0.055 delta_h``.
 
     Notes
     -----
-    Symmetry 2023, 15, 2166, section 3.4. Its friction term carries the hardness symbol by
-    mistake; here each term has its own weight. ``alpha(T) (T - T0)`` is kept literally, although
-    the strain would be the integral of alpha.
+    Symmetry 2023, 15, 2166, section 3.4. The paper writes the hardness symbol in the friction
+    term by mistake; here each term has its own weight. ``alpha(T) (T - T0)`` is taken literally,
+    although the strain is the integral of alpha.
 
     Examples
     --------
@@ -199,8 +199,8 @@ class Beta0:
             msg = f'alpha_unit={self.alpha_unit} 1/K; choose 1e-5 (as printed) or 1e-6 (steel)'
             raise BearingTwinError(msg)
         check_fields(self)
-        # Between two nodes beta0 is a quadratic whose curvature alpha' is far too small to
-        # leave the limits when both nodes are inside.
+        # Between two nodes beta0 is quadratic. Its curvature, from the slope of alpha, is too
+        # small to leave the limits when both nodes are inside.
         for temperature in TEMPERATURES:
             value = self.at(float(temperature))
             if not BETA0_LOW <= value <= BETA0_HIGH:
@@ -225,7 +225,7 @@ class Beta0:
 
     @property
     def weights(self) -> tuple[float, float, float, float, float]:
-        """Weights as :func:`beta0` takes them; 0 for a term that is switched off."""
+        """Argument ``weights`` of :func:`beta0`; 0 for a term that is switched off."""
         return (
             float(self.expansion),
             self.delta_h if self.hardness else 0.0,

@@ -19,18 +19,19 @@ if TYPE_CHECKING:
 
 
 _COSINES = np.cos(np.pi * (np.arange(64) + 0.5) / 64)
-"""Of the angles from the direction of the load at which a ball is looked at, on half the ring."""
+"""Cosines of the ball angles from the load direction, at 64 positions on one side of the ring."""
 _STRIBECK = 0.228828
-"""Mean of cos^2.5 over the ring, 0 beyond 90 degrees: the load is Z times it of the heaviest."""
+"""Mean of cos^2.5 over the ring, 0 beyond 90 degrees. Z times it is the ratio of bearing load to
+highest ball load."""
 _CUBIC = 0.562499
-"""Cube root of the mean of cos^4.5."""
+"""Cube root of the mean of (cos^1.5)^3 over the ring: cubic mean over highest ball load."""
 
 
 def dynamic_rating(bearing: Bearing) -> float:
     """
     Return the basic dynamic radial load rating C_r of a single row, N.
 
-    What the maker publishes; else what ISO 281, 5.1 gives for the geometry.
+    The maker's value is used; if there is none, ISO 281, 5.1 gives it from the geometry.
 
     Examples
     --------
@@ -48,7 +49,7 @@ def static_rating(bearing: Bearing) -> float:
     """
     Return the basic static radial load rating C_0r of a single row, N.
 
-    What the maker publishes; else what ISO 76, 5.1 gives for the geometry.
+    The maker's value is used; if there is none, ISO 76, 5.1 gives it from the geometry.
 
     Examples
     --------
@@ -64,19 +65,19 @@ def static_rating(bearing: Bearing) -> float:
 
 def equivalent_load(load: float, k_b: float, clearance: float, n_balls: int) -> float:
     """
-    Load that would press the balls as hard if the bearing had no clearance, N.
+    Load that fatigues the bearing equally with zero clearance, N.
 
-    ISO 281 rates a bearing whose balls bear as Stribeck has it: half of the ring, no clearance. A
-    preload, or a clearance that leaves few balls to bear, presses them harder under the same
-    ``load``. What counts for the ring that turns against the load is the mean of the cubes of the
-    ball loads (Lundberg and Palmgren; ISO/TS 16281:2008, 4.3). Rings are taken as rigid.
+    ISO 281 assumes Stribeck's load distribution: half of the ring is loaded, with zero clearance.
+    A preload, or a clearance that leaves few balls loaded, raises the ball loads under the same
+    ``load``. For the ring that rotates relative to the load, the mean of the cubes of the ball
+    loads counts (Lundberg and Palmgren; ISO/TS 16281:2008, 4.3). The rings are rigid.
 
     Parameters
     ----------
     load
         Radial load, N.
     k_b
-        Radial force of a ball over its deformation^1.5, N/m^1.5.
+        Radial load-deflection factor of a ball, N/m^1.5.
     clearance
         Radial clearance, m; below 0 the bearing is preloaded.
     n_balls
@@ -84,14 +85,14 @@ def equivalent_load(load: float, k_b: float, clearance: float, n_balls: int) -> 
 
     Examples
     --------
-    Of 500 N, without clearance, with a preload of 5 um and with a clearance of 50 um:
+    500 N with zero clearance, a preload of 5 um and a clearance of 50 um:
 
     >>> [round(equivalent_load(500.0, 1.2e10, c, 8)) for c in (0.0, -5e-6, 50e-6)]
     [500, 608, 750]
 
     """
     sink = (load / (n_balls * k_b * _STRIBECK)) ** (2.0 / 3.0)
-    # Newton's method; the first of the balls touches at once.
+    # Newton's method, from a displacement at which the first ball is in contact.
     shift = (sink + max(clearance, 0.0)) / _COSINES[0]
     cubes, share = 0.0, n_balls * k_b / len(_COSINES)
     for _ in range(100):
@@ -113,7 +114,9 @@ def equivalent_load(load: float, k_b: float, clearance: float, n_balls: int) -> 
 
 def fatigue_limit(bearing: Bearing) -> float:
     """
-    Fatigue load limit C_u, N, by the estimate of ISO 281, B.3.3.3: C_0 / 22.
+    Fatigue load limit C_u, N, estimated as C_0 / 22 (ISO 281, B.3.3.3).
+
+    Above 100 mm pitch diameter it is reduced by (100 mm / D_pw)^0.5.
 
     Examples
     --------
@@ -132,8 +135,8 @@ def life_factor(kappa: float, contamination_load: float) -> float:
     """
     Life modification factor a_ISO of radial ball bearings (ISO 281, equations 31-33), 0.1 to 50.
 
-    Above a viscosity ratio ``kappa`` of 4 the standard takes 4; below 0.1 it makes no statement:
-    NaN. ``contamination_load`` is ``e_C C_u / P``.
+    The viscosity ratio ``kappa`` is limited to 4, as the standard says. Below 0.1, where the
+    standard does not apply, the result is NaN. ``contamination_load`` is ``e_C C_u / P``.
 
     Examples
     --------
@@ -162,12 +165,12 @@ def life_hours(
     """
     Return the modified life L_10mh, h: ``a_ISO (C/P)^3 1e6 / (60 n)``; infinite at rest.
 
-    NaN where the load exceeds half the dynamic ``rating`` C or the ``static`` rating C_0: there
-    the standard makes no statement.
+    NaN if the load P exceeds half the dynamic ``rating`` C or the ``static`` rating C_0, where the
+    standard does not apply. ``factor`` is a_ISO; loads and ratings are in N.
 
     Examples
     --------
-    A bearing of 14 kN under a tenth of that at 1500 1/min:
+    A bearing with C = 14 kN under a tenth of that at 1500 1/min:
 
     >>> round(life_hours(1.0, 1400.0, 1500.0, 14e3, 7850.0))
     11111

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Viscosity of the lubricant, and what it means for the contact.
+Lubricant properties: viscosity over temperature, and the viscosity that a full film needs.
 
 Plain functions of floats, so that the simulator can compile them.
 """
@@ -36,9 +36,9 @@ def viscosity(temperature: float, a: float, b: float) -> float:
 
 def rated_viscosity(speed_rpm: float, mean_diameter: float) -> float:
     """
-    Viscosity nu_1 that separates the surfaces, m^2/s; kappa = nu / nu_1.
+    Return the reference viscosity nu_1 of adequate lubrication, m^2/s; kappa = nu / nu_1.
 
-    ISO 281:2007, 9.3.3.2, with the mean diameter in m. At rest there is none: infinite.
+    ISO 281:2007, 9.3.3.2, with the mean diameter in m. Infinite at rest.
 
     Examples
     --------
@@ -57,11 +57,12 @@ def rated_viscosity(speed_rpm: float, mean_diameter: float) -> float:
 @dataclass(frozen=True, kw_only=True)
 class Lubricant:
     """
-    An oil by its two viscosities, and how it reaches the contacts.
+    Properties of a lubricating oil: viscosity, friction coefficients, supply and contamination.
 
-    The default is ISO VG 68. Sliding friction of 0.12 and 0.05 are those of mineral oil. e_C of
-    ISO 281, table 13, below 100 mm pitch diameter: 1 extreme cleanliness, 0.8 to 0.6 high, 0.6 to
-    0.5 normal, 0.5 to 0.3 slight, 0.3 to 0.1 typical, 0.1 to 0 severe contamination.
+    The default is ISO VG 68. The friction coefficients 0.12 and 0.05 are those of mineral oil.
+    e_C of ISO 281, table 13, below 100 mm pitch diameter: 1 extreme cleanliness, 0.8 to 0.6 high
+    cleanliness, 0.6 to 0.5 normal cleanliness, 0.5 to 0.3 slight contamination, 0.3 to 0.1 typical
+    contamination, 0.1 to 0 severe contamination.
 
     Examples
     --------
@@ -102,7 +103,7 @@ class Lubricant:
 
     @property
     def astm_constants(self) -> tuple[float, float]:
-        """Constants a and b of ASTM D341 through both viscosities."""
+        """Constants a and b of ASTM D341 that give both viscosities."""
         high, low = (
             math.log10(math.log10(nu * 1e6 + 0.7))
             for nu in (self.viscosity_40, self.viscosity_100)

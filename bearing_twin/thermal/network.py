@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Thermal network of both rings: their temperatures, and the clearance that they leave.
+Thermal network of the bearing: ring temperatures and the change of clearance they cause.
 
 Plain functions of floats, so that the simulator can compile them.
 """
@@ -17,27 +17,27 @@ from bearing_twin.quantity import check_fields, quantity
 EXPANSION_STEEL = 12e-6
 """Linear thermal expansion coefficient of 100Cr6/GCr15, 1/K."""
 _PITCH = 57.5e-3
-"""Pitch diameter of a 6307, whose values are scaled to other bearings, m."""
+"""Pitch diameter of a 6307, m. The values of a 6307 are scaled to other bearings."""
 _LEAST, _MOST = -5e-6, 50e-6
 """Limits of the radial clearance of a 6307, m."""
 
 RING_LOW, RING_HIGH = -60.0, 250.0
-"""Temperatures of an inner ring that the laws of this room hold for, degC. Above, hardened
-steel tempers; a bearing that is heated so has left the clearance's limits long before."""
+"""Range of inner ring temperatures for the temperature laws, degC. Above it hardened steel
+tempers; the clearance leaves its limits long before."""
 
 
 def clearance_change(inner: float, outer: float, d_pitch: float) -> float:
     """
-    Change of the radial clearance (half the diametral one) against rings of one temperature, m.
+    Change of the radial clearance (half the diametral one) due to ring temperatures, m.
 
-    ``dG_r = alpha [(D_p + d)(T_o - T0) - (D_p - d)(T_i - T0) - 2 d (T_b - T0)]`` is diametral
-    (Harris and Kotzalas, Essential Concepts of Bearing Technology, chapter 3). With the balls
-    midway between the rings, T_b = (T_i + T_o)/2, ball diameter and T0 cancel:
-    ``dG_r = alpha D_p (T_o - T_i)``.
+    The diametral change is ``dG_r = alpha [(D_p + d)(T_o - T0) - (D_p - d)(T_i - T0) - 2 d (T_b -
+    T0)]`` (Harris and Kotzalas, Essential Concepts of Bearing Technology, chapter 3). With the
+    ball temperature T_b = (T_i + T_o)/2, ball diameter and T0 cancel:
+    ``dG_r = alpha D_p (T_o - T_i)``. Temperatures are in degC, ``d_pitch`` is in m.
 
     Examples
     --------
-    An inner ring 10 K warmer than the outer one takes 3.45 um off a 6307:
+    An inner ring 10 K warmer than the outer ring reduces the clearance of a 6307 by 3.45 um:
 
     >>> round(clearance_change(60.0, 50.0, 57.5e-3) * 1e6, 2)
     -3.45
@@ -50,13 +50,14 @@ def clearance_limits(d_pitch: float) -> tuple[float, float]:
     """
     Return the least and the greatest radial clearance for which the model holds, m.
 
-    -5 and 50 um for a 6307, for others in proportion to the pitch diameter, as the strain of the
-    rings goes. Below, a bearing seizes: its heat and the yielding of rings that the model takes as
-    rigid decide. Above is more than twice the clearance that bearings are made with.
+    They are -5 and 50 um for a 6307 and proportional to the pitch diameter for other bearings, so
+    the strain of the rings is the same. Below, a bearing seizes: friction heat and deformation of
+    the rings, which the model takes as rigid, decide. The upper limit is more than twice the
+    clearance of new bearings.
 
     Examples
     --------
-    Of a 6307 and of a bearing of 200 mm bore:
+    A 6307 and a bearing with 200 mm bore:
 
     >>> [[round(1e6 * limit) for limit in clearance_limits(d)] for d in (57.5e-3, 310e-3)]
     [[-5, 50], [-27, 270]]
@@ -68,7 +69,7 @@ def clearance_limits(d_pitch: float) -> tuple[float, float]:
 
 def relative_modulus(temperature: float) -> float:
     """
-    Young's modulus of bearing steel over its value at 20 degC: it falls by 3e-4 per kelvin.
+    Ratio of Young's modulus of bearing steel to its value at 20 degC; it falls by 3e-4 per K.
 
     Examples
     --------
@@ -83,7 +84,10 @@ def inner_ring_target(
     outer: float, shaft: float, power: float, ring_to_ring: float, ring_to_shaft: float
 ) -> float:
     """
-    Inner ring temperature in the steady state, degC, for the outer ring and shaft given.
+    Steady-state temperature of the inner ring, degC.
+
+    ``outer`` and ``shaft`` are temperatures, degC, ``power`` is the friction power, W, and the
+    conductances ``ring_to_ring`` and ``ring_to_shaft`` are in W/K.
 
     Examples
     --------
@@ -104,9 +108,10 @@ def inner_ring_step(
     ring_to_shaft: float,
 ) -> float:
     """
-    Inner ring temperature after ``duration`` seconds towards ``target``, degC; exact.
+    Inner ring temperature after ``duration`` seconds, degC; exact for constant inputs.
 
-    The node's balance is ``C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)``.
+    Solves ``C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)``. ``target`` is the steady
+    state of `inner_ring_target`, degC; ``capacity`` C_i is in J/K, conductances are in W/K.
 
     Examples
     --------
@@ -121,17 +126,18 @@ def inner_ring_step(
 @dataclass(frozen=True, kw_only=True)
 class ThermalNetwork:
     """
-    The inner ring between outer ring, whose temperature is measured, and shaft.
+    Parameters of the thermal network: the inner ring between outer ring and shaft.
+
+    The temperature T_o of the outer ring is measured.
 
     ::
 
         C_i dT_i/dt = P/2 - G_io (T_i - T_o) - G_is (T_i - T_sh)
 
-    Capacity and conductances that are None are those of a 6307 (its inner ring of 0.17 kg has 80
-    J/K; 2 W/K between the rings, 8 W/K to the shaft), scaled to the bearing: a capacity goes with
-    the cube of the pitch diameter, a conductance with the diameter itself. ``shaft_ratio`` is
-    above 1 where heat comes in along the shaft (motor, pump, turbine), below 1 where the housing
-    is heated.
+    A capacity or conductance of None is scaled from a 6307 (80 J/K, its inner ring has 0.17 kg;
+    2 W/K between the rings, 8 W/K to the shaft): a capacity is proportional to the cube of the
+    pitch diameter, a conductance to the diameter. ``shaft_ratio`` is above 1 if heat comes in
+    along the shaft (motor, pump, turbine), below 1 if the housing is heated.
 
     Examples
     --------
@@ -179,7 +185,7 @@ class ThermalNetwork:
 
 
 class Scaled(NamedTuple):
-    """A `ThermalNetwork` of one bearing, nothing left open."""
+    """A `ThermalNetwork` scaled to one bearing; units as there."""
 
     inner_capacity: float
     ring_to_ring: float
@@ -192,7 +198,7 @@ class Scaled(NamedTuple):
         return self.ambient + self.shaft_ratio * (outer - self.ambient)
 
     def inner_excess(self, outer: float) -> float:
-        """Inner less outer ring temperature in the steady state without friction, K."""
+        """Inner minus outer ring temperature in the steady state without friction, K."""
         return (
             inner_ring_target(outer, self.shaft(outer), 0.0, self.ring_to_ring, self.ring_to_shaft)
             - outer

@@ -1,38 +1,41 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Cage slip of a radially loaded ball bearing: the drag of the oil against the traction of the balls.
+Cage slip of a radially loaded ball bearing, from the balance of oil drag and ball traction.
 
-The oil brakes cage and balls with a force F on their circle. The load-independent friction moment
-of Palmgren, ``M_0 = 1e-7 f_0 (nu n)^(2/3) d_m^3`` in N mm, mm^2/s, 1/min and mm, with f_0 = 2 for
-an oil bath (Harris and Kotzalas, Essential Concepts of Bearing Technology, 5th ed., chapter 10),
-takes the power ``M_0 omega = F v``, where v is the speed of the balls on their circle. It is an
-upper bound: some of the moment brakes the spin of the balls, not their way round. The formula
-holds for nu n of at least 2000; below, where metallic contact holds the balls, it is too small.
-SKF's minimum radial load against skidding, ``k_r (nu n/1000)^(2/3) (d_m/100)^2``, has the same
-form.
+The oil drags on cage and balls with a force F along the pitch circle. F follows from the power
+``M_0 omega = F v``, where v is the orbital speed of the balls and M_0 Palmgren's load-independent
+friction moment, ``M_0 = 1e-7 f_0 (nu n)^(2/3) d_m^3`` in N mm, mm^2/s, 1/min and mm, with f_0 = 2
+for an oil bath (Harris and Kotzalas, Essential Concepts of Bearing Technology, 5th ed.,
+chapter 10). F is an upper bound: part of the moment brakes the spin of the balls, not their orbit.
+The formula holds for nu n of at least 2000; below, it is too small, but metallic contact drives
+the balls there. SKF's minimum radial load against skidding,
+``k_r (nu n/1000)^(2/3) (d_m/100)^2``, has the same form.
 
-The loaded balls are driven by the inner race and held by the outer one. A slip s makes both
-contacts slide by the share s of their rolling speed, and each gives the traction ``mu(s) Q`` of
+The inner race drives the loaded balls and the outer race holds them. With a slip s both contacts
+slide at the fraction s of their rolling speed, and each transmits the traction ``mu(s) Q`` under
 its force Q. The slip is the root of ``F = 2 sum Q mu(s)`` over the loaded balls, with
 
     mu(s) = phi mu_bl tanh(k_e s / mu_bl) + (1 - phi) tau_E / p asinh(k s p / tau_E)
     1 / k = 1 / k_e + 1 / k_f,   k_e = C_11 G / (pi p),   k_f = eta(p) u / (h p)
 
-phi is the share of metallic contact of SKF's friction model (`friction.metallic_share`), p the
-mean pressure of the contact, k_e the elastic creep of steel (Kalker, Three-Dimensional Elastic
-Bodies in Rolling Contact, 1990: C_11 = 3.3 for a contact ten times as wide as long), k_f the slope
-of an oil film of the thickness h (Hamrock and Dowson 1977), rolling at the speed u, with the
-viscosity of Roelands under the pressure, and tau_E the stress of Eyring at which the film yields
-(Johnson and Tevaarwerk 1977). The contact is the mean of those with both races.
+where
 
-Range: full to mixed films, from the onset of skidding to the static rating. The slip passes one
-per cent between half and twice SKF's minimum load (6203, 6205 and 6307, 1500 to 6000 1/min, 30 and
-50 degC, ISO VG 68), and falls below 0.01 % at a tenth of the dynamic rating.
-It grows with the speed and, next to skidding, with the viscosity; at a given load a thinner film
-has less traction too, so between them lies a minimum, and metallic contact ends the slip. More
-clearance presses fewer balls harder, which holds better. Where the traction does not suffice,
-cage and balls skid: the slip then is `HIGHEST_SLIP`, and the law says no more.
+- phi is the share of metallic contact in SKF's friction model (`friction.metallic_share`),
+- p is the mean contact pressure; one contact stands for the mean of those with both races,
+- k_e is the elastic creep of steel (Kalker, Three-Dimensional Elastic Bodies in Rolling Contact,
+  1990: C_11 = 3.3 for a contact ten times as wide as long),
+- k_f is the slope of an oil film of thickness h (Hamrock and Dowson 1977) at the rolling speed u,
+  with Roelands' viscosity eta(p),
+- tau_E is the Eyring stress at which the film yields (Johnson and Tevaarwerk 1977).
+
+Range: full to mixed films, from the onset of skidding to the static rating. The slip passes 1 %
+between half and twice SKF's minimum load (6203, 6205 and 6307, 1500 to 6000 1/min, 30 and 50 degC,
+ISO VG 68), and is below 0.01 % at a tenth of the dynamic rating. It grows with the speed. Near
+skidding it also grows with the viscosity; a thinner film transmits less traction, so at a given
+load the slip has a minimum over the viscosity. Metallic contact ends the slip. More clearance
+loads fewer balls more, which reduces the slip. If the traction does not suffice, cage and balls
+skid: the slip is then `HIGHEST_SLIP`, the end of the model's range.
 """
 
 from __future__ import annotations
@@ -42,15 +45,16 @@ import math
 from bearing_twin.bearing import POISSON_STEEL, YOUNG_STEEL
 
 HIGHEST_SLIP = 0.05
-"""Slip at which the law ends."""
+"""Upper limit of the slip in this model; cage and balls skid."""
 
 _F_0 = 2.0
 """Palmgren's factor of a deep groove ball bearing in an oil bath."""
 _DENSITY = 870.0
-"""Of a mineral oil, kg/m^3."""
+"""Density of mineral oil, kg/m^3."""
 _EYRING = 5e6
-"""Shear stress at which a film of mineral oil yields, Pa."""
+"""Eyring stress, at which a film of mineral oil yields, Pa."""
 _KALKER = 3.3
+"""Creep coefficient C_11."""
 _ROELANDS_EXPONENT, _ROELANDS_PRESSURE, _ROELANDS_LOG = 0.6, 1.0 / 5.1e-9, 9.67
 """Roelands: eta = eta_0 exp((ln eta_0 + 9.67) ((1 + 5.1e-9 p)^0.6 - 1)), Pa s and Pa."""
 _REDUCED = YOUNG_STEEL / (1.0 - POISSON_STEEL**2)
@@ -59,7 +63,7 @@ _SHEAR = 0.5 * YOUNG_STEEL / (1.0 + POISSON_STEEL)
 
 def drag(speed_rpm: float, nu: float, mean_diameter: float, inner_race: float) -> float:
     """
-    Force with which the oil brakes cage and balls, on their circle, N.
+    Drag force of the oil on cage and balls along the pitch circle, N.
 
     Parameters
     ----------
@@ -68,7 +72,7 @@ def drag(speed_rpm: float, nu: float, mean_diameter: float, inner_race: float) -
     nu
         Kinematic viscosity, m^2/s.
     mean_diameter, inner_race
-        (bore + outside)/2, and the diameter of the inner race where the balls roll, m.
+        (bore + outside)/2, and the diameter of the inner raceway, m.
 
     Examples
     --------
@@ -85,18 +89,18 @@ def drag(speed_rpm: float, nu: float, mean_diameter: float, inner_race: float) -
 
 def film_slope(pressure: float, force: float, nu: float, rolling: float, d_ball: float) -> float:
     """
-    Slope k_f of the traction of an oil film over its share of sliding.
+    Slope k_f of the traction coefficient of an oil film over the slide-to-roll ratio.
 
     Parameters
     ----------
     pressure, force
-        Mean pressure of the contact, Pa, and its force, N.
+        Mean contact pressure, Pa, and contact force, N.
     nu
-        Kinematic viscosity without pressure, m^2/s.
+        Kinematic viscosity at ambient pressure, m^2/s.
     rolling
-        Speed at which both surfaces roll through the contact, m/s.
+        Rolling speed of the surfaces, m/s.
     d_ball
-        m.
+        Ball diameter, m.
 
     Examples
     --------
@@ -117,7 +121,7 @@ def traction(
     slip: float, pressure: float, slope: float, metallic: float, boundary: float
 ) -> tuple[float, float]:
     """
-    Traction coefficient of a contact that slides by the share ``slip``, and its derivative.
+    Return the traction coefficient of a sliding contact and its derivative over the slip.
 
     Parameters
     ----------
@@ -126,7 +130,7 @@ def traction(
     pressure
         Mean pressure, Pa.
     slope
-        `film_slope`.
+        Slope k_f of the film, see `film_slope`.
     metallic, boundary
         Share phi of metallic contact, and its friction coefficient.
 
