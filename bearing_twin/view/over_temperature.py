@@ -23,7 +23,7 @@ QUANTITIES = {
     'frequency': 'Frequency, twin',
     'slip': 'Cage slip, twin',
 }
-"""What is collected."""
+"""Titles of the quantities by key."""
 
 STEP = 5.0
 """Width of a class of temperature, K."""
@@ -32,22 +32,22 @@ STRIP_SECONDS = 0.12
 REFERENCE = 20.0
 """Temperature that values are compared with, degC."""
 SAME_SPEED = 0.02
-"""Part by which a shaft speed may move and still be one: that by which slip moves a frequency."""
+"""Relative difference up to which two shaft speeds count as equal: the range of slip."""
 NUMBERED, UNNUMBERED = (0.0, 100.0), 45.0
 """
-Two temperatures that an axis in the viewer holds where it spans more than ``UNNUMBERED``: it is
-then numbered at each 100 degC only on a laptop.
+Temperatures in degC that an axis in the viewer includes if it spans more than ``UNNUMBERED`` in K:
+on a laptop it is then numbered only at each 100 degC.
 """
 NO_SECOND = (0.0, 0.0, 0.0)
-"""Length in s, its product with the temperature and largest magnitude, before any block."""
+"""Start of a second: length in s, length times temperature, largest magnitude."""
 
 
 class Curve(NamedTuple):
-    """Means of a quantity, class by class."""
+    """Means of a quantity in classes of 5 K."""
 
     key: str
     title: str
-    """With the unit."""
+    """Name with the unit."""
     temperatures: NDArray[np.float64]
     """degC, rising."""
     values: NDArray[np.float64]
@@ -59,7 +59,7 @@ class Curve(NamedTuple):
 
     @property
     def base(self) -> float:
-        """Value at the reference; NaN for the slip, whose ratio to nearly nothing says nothing."""
+        """Value at the reference; NaN if it is 0, and for the slip, which is nearly 0 there."""
         value = float(self.values[self.temperatures == self.reference][0])
         return value if value and self.key != 'slip' else math.nan
 
@@ -75,7 +75,7 @@ class Strip(NamedTuple):
 
 
 class Strips(dict[int, Strip]):
-    """Keep of each class of 5 K the newest piece of the waveform that is closest to it."""
+    """Strips by class of 5 K: the closest one of each class, the newest of equally close ones."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -86,9 +86,9 @@ class Strips(dict[int, Strip]):
         self, samples: NDArray[np.floating], first: int, rate: float, temperature: float
     ) -> bool:
         """
-        Take a block whose first sample has the index ``first``; return whether a strip is new.
+        Add a block whose first sample has the index ``first``; return whether a strip is new.
 
-        Blocks without a gap and at one temperature are joined.
+        Blocks without a gap and of one class are joined.
         """
         step = round(temperature / STEP) if math.isfinite(temperature) else 0
         if (step, first) != self._begins:
@@ -107,18 +107,18 @@ class Strips(dict[int, Strip]):
 
 
 class _AtSpeed:
-    """What was collected while the shaft turned at one speed."""
+    """Data collected at one shaft speed."""
 
     def __init__(self, hertz: float) -> None:
         self.hertz = hertz
-        """NaN: not known."""
+        """Shaft speed, Hz; NaN while it is not known."""
         self.count = 0
         self.strips = Strips()
         self.sums: dict[str, dict[int, list[float]]] = {}
         self._second = NO_SECOND
 
     def add(self, key: str, temperature: float, value: float) -> None:
-        """Take a value into its class."""
+        """Add a value to its class of temperature."""
         if math.isfinite(temperature) and math.isfinite(value):
             step = round(temperature / STEP)
             total = self.sums.setdefault(key, {}).setdefault(step, [0.0, 0.0])
@@ -127,7 +127,7 @@ class _AtSpeed:
             self.count += 1
 
     def peak(self, length: float, temperature: float, peak: float) -> None:
-        """Take the largest magnitude of ``length`` s; that of a whole second into its class."""
+        """Take the largest magnitude of ``length`` s; each full second adds an amplitude."""
         before, heat, largest = self._second
         length, heat = before + length, heat + length * temperature
         self._second = length, heat, max(largest, peak)
@@ -138,10 +138,10 @@ class _AtSpeed:
 
 class OverTemperature:
     """
-    Collect means in classes of 5 K, and strips, as long as the twin has one defect.
+    Collect means and strips in classes of 5 K; another defect of the twin starts over.
 
-    They are those of the speed that was held longest: another speed, or a shaft that stands,
-    changes more than temperature does.
+    The results are those of the shaft speed held longest: another speed, or a standing shaft,
+    changes the values more than temperature does.
     """
 
     def __init__(self) -> None:
@@ -151,25 +151,25 @@ class OverTemperature:
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew."""
+        """Discard what has been collected."""
         self._now: _AtSpeed | None = _AtSpeed(math.nan)
         self._speeds = [self._now]
 
     @property
     def strips(self) -> Strips:
-        """Of the speed that was held longest."""
+        """Strips at the speed held longest."""
         return self._longest.strips
 
     @property
     def is_wide(self) -> bool:
-        """Whether the temperatures are too far apart for each tenth to be numbered."""
+        """Whether the temperatures span more than ``UNNUMBERED`` in K."""
         steps = [step for sums in self._longest.sums.values() for step in sums]
         return bool(steps) and STEP * (max(steps) - min(steps)) > UNNUMBERED
 
     def take_strip(
         self, samples: NDArray[np.floating], first: int, rate: float, temperature: float
     ) -> bool:
-        """Take a block as `Strips.take`; return whether it changes what is shown."""
+        """Add a block like `Strips.take`; return whether it changes the strips."""
         if self._now is None:
             return False
         return self._now.strips.take(samples, first, rate, temperature)
@@ -183,13 +183,13 @@ class OverTemperature:
         shaft_hz: float = math.nan,
     ) -> tuple[float, float]:
         """
-        Take samples at a temperature in degC; return their rms and largest magnitude.
+        Add samples at a temperature in degC; return their rms and largest magnitude.
 
-        Their own shaft speed, where a sensor tells it, is known before a window is judged.
+        ``shaft_hz`` is the speed that a sensor reports; it is known before a window is judged.
 
-        Both are about the mean, as the diagnosis leaves a sensor's offset out too. The amplitude
-        over temperature is the largest magnitude of a second: a block may have no impact, and the
-        load on the balls beats over many of them.
+        The mean is removed, as the diagnosis removes a sensor's offset. The amplitude over
+        temperature is the largest magnitude of a second: a single block may have no impact, and
+        the load on the balls beats over many blocks.
         """
         finite = samples[np.isfinite(samples)].astype(np.float64)
         if not finite.size:
@@ -205,13 +205,13 @@ class OverTemperature:
         return math.sqrt(power), peak
 
     def state(self, message: Any) -> None:
-        """Take a TwinState: the slip and the frequencies at which its defects strike."""
+        """Add the slip and the impact frequencies of the defects of a TwinState."""
         temperature = recorded(message, 'temperature_used')
         said = str(getattr(message, 'defect', ''))
         places = [part.partition(':')[0].strip() for part in said.split('+')]
         defect = '+'.join(places)
         if defect != self._defect and self._defect is not None:
-            # What changes with the defect is not what temperature does.
+            # These changes come from the defect, not from the temperature.
             self.forget()
         self._defect, self._first = defect, places[0]
         self._turn(recorded(message, 'shaft_hz'))
@@ -222,7 +222,7 @@ class OverTemperature:
         self._now.add('slip', temperature, 100.0 * recorded(message, 'slip'))
 
     def diagnosis(self, message: Any) -> None:
-        """Take a Diagnosis: the fault frequency found, of the place that was named first."""
+        """Add the fault frequency of a Diagnosis if it names the place that was named first."""
         place = str(message.result_name)
         if place in PLACES:
             self._found = self._found or place
@@ -233,11 +233,11 @@ class OverTemperature:
 
     @property
     def curves(self) -> list[Curve]:
-        """What has been collected, without classes and quantities that are empty."""
+        """Curves of the quantities that have values."""
         unit = pretty(self._unit)
         units = {'amplitude': unit, 'level': unit, 'slip': '%'}
         sums = self._longest.sums
-        # The twin's defect that the diagnosis found, where it has several.
+        # Of several defects, the one that the diagnosis found.
         struck = (f'frequency {place}' for place in (self._found, self._first))
         sums = sums | {'frequency': next((sums[key] for key in struck if key in sums), {})}
         curves = []
@@ -247,7 +247,7 @@ class OverTemperature:
                 continue
             temperatures = STEP * np.array([step for step, _ in classes], dtype=np.float64)
             values = np.array([total / count for _, (total, count) in classes])
-            # Mean squares are what is collected of the level.
+            # The level is collected as mean squares.
             values = np.sqrt(values) if key == 'level' else values
             title = f'{name} [{units.get(key, "Hz")}]'
             curves.append(Curve(key, title, temperatures, values))
@@ -258,7 +258,7 @@ class OverTemperature:
         return max(self._speeds, key=lambda at: (at.count, len(at.strips)))
 
     def _turn(self, hertz: float) -> None:
-        """Go on with what was collected at a speed in Hz; one that is not known is the last."""
+        """Switch to the data of a speed in Hz; an unknown speed changes nothing."""
         if not math.isfinite(hertz):
             return
         if hertz and self._now is not None and math.isnan(self._now.hertz):

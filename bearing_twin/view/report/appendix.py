@@ -61,7 +61,7 @@ TERMS = (
 def appendix(
     info: RecordingInfo, health: RecordingHealth, machines: Iterable[Machine]
 ) -> list[str]:
-    """Return the appendix."""
+    """Return the appendix as HTML."""
     machines = list(machines)
     return [
         *_parameters(info, machines),
@@ -77,12 +77,12 @@ def appendix(
 
 
 def off_default(kind: str, values: Any) -> list[tuple[str, str]]:
-    """Return the parameters of a node that differ from their defaults, with these."""
+    """Return the parameters of a node that differ from their defaults, and the defaults."""
     rows = []
     specs = {spec.name: spec for spec in (*SPECS.get(kind, ()), AUTOSTART)}
     for name, value in values.items() if isinstance(values, dict) else ():
         spec = specs.get(name)
-        # Metadata holds texts.
+        # Values in the metadata are texts.
         if spec is None or str(value) != str(spec.default):
             default = f' (default {spec.default!r})' if spec is not None else ''
             rows.append((str(name), f'{_shown(str(name), value)}{default}'))
@@ -93,7 +93,7 @@ def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
     nodes, parts, known = {}, [], set()
     for machine in machines:
         for node, (kind, values) in sorted(machine.parameters.items()):
-            # Of a bearing of a fleet the node stands behind it.
+            # In a fleet the name is 'BEARING in NODE'.
             known.add(node.rpartition(' in ')[2].strip('/').replace('/', '.'))
             nodes[node] = off_default(kind, values)
     for name, values in sorted(info.metadata.items()):
@@ -156,7 +156,7 @@ def _health(
             f'<td class="n">{topic.count}</td><td class="n">{topic.longest_gap:.2f} s</td>'
             f'<td class="n">{missing}</td></tr>'
         )
-    # On paper only where it explains something.
+    # Printed only if there are problems.
     parts.append(
         f'<table{"" if problems else " class=screen"}><tr><th>Topic</th>'
         '<th class="n">messages</th><th class="n">longest pause</th>'
@@ -166,5 +166,5 @@ def _health(
 
 
 def _shown(key: str, value: Any) -> str:
-    """Leave out the folders of a path: whoever is sent the page need not know them."""
+    """Return a value as text, a path without its folders: reports are passed on."""
     return PurePath(str(value)).name if key in PATHS else str(value)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a report shows of a recording, collected in one pass and in little memory."""
+"""Data of a report, collected from a recording in one pass with little memory."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ class Machine:
     """
     One namespace of a recording: a bearing, its sensors, its twin and its verdicts.
 
-    Times are seconds since the first message of the recording, taken from when a message was
-    received: a replayed sensor and the twin that answers it may stamp by different clocks.
+    Times are reception times in seconds since the first message of the recording: a replayed
+    sensor and its twin may stamp by different clocks.
     """
 
     namespace: str
-    """'' at the top."""
+    """'' for the root namespace."""
     diagnoses: list[tuple[float, Any]] = field(default_factory=list)
-    """Diagnosis messages."""
+    """Times and Diagnosis messages."""
     headline: Headline = field(default_factory=Headline)
     measured: list[tuple[float, float]] = field(default_factory=list)
-    """Temperature in degC."""
+    """Times and measured temperatures in degC."""
     states: list[tuple[float, Any]] = field(default_factory=list)
     """TwinState messages, thinned."""
     last_state: Any = None
@@ -53,22 +53,22 @@ class Machine:
     calibrations: list[tuple[float, Any]] = field(default_factory=list)
     """Calibration messages."""
     worst_lateness: float = math.nan
-    """Of any block, s."""
+    """Largest lateness of a block, s."""
     vibration: list[tuple[float, float, float]] = field(default_factory=list)
-    """rms and largest magnitude of each block."""
+    """Time, rms and largest magnitude of each block."""
     unit: str = ''
     source: Source = field(default_factory=Source)
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
     parameters: dict[str, tuple[str, Any]] = field(default_factory=dict)
     """Kind and parameters of each node."""
     unread: dict[str, tuple[int, str]] = field(default_factory=dict)
-    """By topic: how many messages cannot be read, and the first reason."""
+    """Number of unreadable messages and the first reason, by topic."""
     sensors: set[str] = field(default_factory=set)
-    """Topics of vibration; ``vibration``, else the first, is shown."""
+    """Topics of vibration; the report shows ``vibration``, or else the first."""
 
     @property
     def unexplained(self) -> str:
-        """What the fitted twin does not explain at the end; '' without an alarm."""
+        """Residual alarm of the last calibration in words; '' without an alarm."""
         if not self.calibrations or not self.calibrations[-1][1].residual_alarm:
             return ''
         newest = self.calibrations[-1][1]
@@ -81,30 +81,30 @@ class Machine:
 
     @property
     def hardware(self) -> str:
-        """Identity of the asset or sensor, where a node's parameters give it."""
+        """``hardware_id`` of the asset or sensor from a node's parameters; '' if not given."""
         named = (v.get('hardware_id') for _, v in self.parameters.values() if isinstance(v, dict))
         return next((str(name) for name in named if name), '')
 
     @property
     def end(self) -> float:
-        """When the last of what is plotted over time was received, s."""
+        """Reception time of the last plotted message, s."""
         plotted = self.diagnoses, self.measured, self.vibration, self.states
         return max((items[-1][0] for items in plotted if items), default=0.0)
 
     @property
     def only_vibration(self) -> bool:
-        """Whether no twin and no verdict is in it."""
+        """Whether it has neither a twin nor a verdict."""
         return not (self.diagnoses or self.headline.spectra or self.states)
 
     @property
     def empty(self) -> bool:
-        """Whether there is nothing of a bearing in it."""
+        """Whether it has no data of a bearing."""
         return self.only_vibration and not self.vibration
 
 
 def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machine]]:
     """
-    Return what is in a recording, its health and every machine of it by namespace.
+    Return the contents of a recording, its health, and its machines by namespace.
 
     Unfinished files are read up to their end.
 
@@ -131,7 +131,7 @@ def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machi
     for name, machine in [*found.items()]:
         parent = found.get(name.rpartition('/')[0])
         if machine.only_vibration and parent is not None and parent.states:
-            # Of the twin beside the machine, as twin/vibration.
+            # Vibration of a twin that runs beside its machine, such as twin/vibration.
             parent.sensors |= machine.sensors
             del found[name]
     if not found:
@@ -145,7 +145,7 @@ def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machi
 
 def _take_fleet(fleet: Machine, machines: dict[str, Machine]) -> None:
     """Give each bearing of a fleet its part of the parameters of the node."""
-    # An asset may have the name of the node, and its parameters then come to those gone through.
+    # A copy, since an asset with the name of the node adds to the parameters.
     for node, (kind, values) in [*fleet.parameters.items()]:
         for namespace, table in fleet_tables(node, kind, values).items():
             machine = machines.get(namespace)
@@ -158,7 +158,7 @@ class _Collector:
     """Take the messages of one machine in the order of the recording."""
 
     STATE_PERIOD = 0.5
-    """Twin states closer than this are passed over, s."""
+    """Least time between two kept twin states, s."""
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
@@ -189,9 +189,9 @@ class _Collector:
 
     def _counts(self, name: str, forget: Callable[[], None]) -> bool:
         """
-        Whether the topic is the one that counts of its kind: that of this name, else the first.
+        Whether the topic is used for its kind: the one called ``name``, or else the first.
 
-        Where it comes after another, what that has left is forgotten.
+        If that one comes after another topic, ``forget`` discards the other's data.
         """
         before = self._chosen.setdefault(name, self._topic)
         if before != self._topic and self._topic.endswith(f'/{name}'):
@@ -226,7 +226,7 @@ class _Collector:
 
     def _measured(self, time: float, message: Any) -> None:
         if not self._counts('temperature', self.machine.measured.clear):
-            # Of the room, say.
+            # Another temperature, such as that of the room.
             return
         self.machine.measured.append((time, float(message.temperature)))
         if not self.machine.states:

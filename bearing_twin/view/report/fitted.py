@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Machine and fitted twin over each other: spectra, one revolution, and what is not explained."""
+"""Figures of machine and fitted twin: spectra, one revolution, and their difference."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 MACHINE: dict[str, Any] = {'color': '#bdbdbd', 'label': 'machine', 'linewidth': 2.4}
 TWIN: dict[str, Any] = {'color': '#1565c0', 'label': 'twin', 'linewidth': 0.7}
-"""The twin is drawn over its machine, and hides it where it were as wide."""
+"""The twin's line is drawn over the machine's and is thinner, so that both are seen."""
 
 
 def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
@@ -47,7 +47,7 @@ def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
 def draw_over_each_other(
     axes: Iterable[Axes], spectra: Any, turns: Any, steps: tuple[float, float], unit: str
 ) -> None:
-    """Draw spectra in dB and a revolution of machine and twin; ``steps``: of these, Hz and s."""
+    """Draw spectra in dB and one revolution of machine and twin, with ``steps`` in Hz and s."""
     (left, right), unit = axes, pretty(unit)
     for levels, turn, look in zip(spectra, turns, (MACHINE, TWIN), strict=True):
         left.plot(1e-3 * steps[0] * np.arange(1, len(levels)), levels[1:], **look)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
-# On a phone a picture keeps a width at which its text is legible, and moves under the finger.
+# On a phone a picture keeps a width at which its text is legible, and scrolls sideways.
 CSS = """
 :root { color-scheme: light; }
 body { font: 15px/1.4 system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif; color: #212121;

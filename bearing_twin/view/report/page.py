@@ -39,34 +39,34 @@ if TYPE_CHECKING:
     from bearing_twin.view.report.data import Machine
 
 PRINTED = 2
-"""Most machines that paper shows in detail, the most urgent ones, two sheets each."""
+"""Largest number of machines printed in detail: the most urgent ones, two sheets each."""
 OVERVIEW = ('Found', 'Stage', 'Level', 'Velocity', 'Next step')
 """Columns of the table of several machines, after machine and verdict."""
 ON_BANNER = ('Found', 'Next step')
-"""Facts that are not said again below it."""
+"""Facts on the banner, which are not repeated below it."""
 
 
 def report_page(path: Path, source: Path | None = None) -> str:
     """
-    Return the report on a recording as HTML that refers to nothing outside itself.
+    Return the report on a recording as self-contained HTML.
 
     Parameters
     ----------
     path
         MCAP file or bag folder; unfinished ones are read up to where they break off.
     source
-        Vibration file that the recording was made of; None: there is none.
+        Vibration file from which the recording was made, if any.
 
     Raises
     ------
     BearingTwinError
-        If it cannot be read, or holds nothing of a bearing.
+        If the recording cannot be read or holds no data of a bearing.
 
     """
     info, health, found = collect(path)
     machines = sorted(found.values(), key=_urgency, reverse=True)
     begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
-    # A bag folder is often just called 'bag': its parent says which.
+    # A bag folder is often just called 'bag': its parent names the run.
     title = f'Bearing report: {"/".join((source or path).resolve().parts[-2:])}'
     when = '' if undated(info.start) else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '
     unit, length = time_unit(info.duration)
@@ -89,7 +89,7 @@ def report_page(path: Path, source: Path | None = None) -> str:
     for count, machine in enumerate(machines):
         pictures = _pictures(appended_figures(machine, f'a{count}-'))
         heading = _heading(machine, f'a{count}') if named and pictures else []
-        # On paper those of a single machine only.
+        # Printed only for a single machine.
         part = _section(0 if len(machines) == 1 else PRINTED)
         body += [part, *heading, *pictures, '</section>']
     body += appendix(info, health, machines)
@@ -104,7 +104,7 @@ def report_page(path: Path, source: Path | None = None) -> str:
 
 
 def _section(count: int) -> str:
-    """Begin the part of a machine; beyond the most urgent ones paper leaves it out."""
+    """Open the section of a machine; only those of the most urgent machines are printed."""
     return f'<section class="{"machine" if count < PRINTED else "machine screen"}">'
 
 
@@ -117,7 +117,7 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
     if not machine.diagnoses:
         return [_no_verdict(machine), *pictures]
     worst = machine.headline.worst.best
-    # What a verdict rests on right below it, then the history.
+    # The evidence follows right below the verdict, then the history.
     return [
         _banner(machine, worst),
         '<div class="columns">',
@@ -131,7 +131,7 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
 
 
 def _overview(machines: Sequence[Machine]) -> list[str]:
-    """Return what is known of each of several machines, with a link to its part of the page."""
+    """Return a table of several machines with links to their sections."""
     heads = ''.join(f'<th>{name}</th>' for name in ('Machine', 'Verdict', *OVERVIEW))
     rows = [f'<tr>{heads}</tr>']
     for count, machine in enumerate(machines):
@@ -153,7 +153,7 @@ def _overview(machines: Sequence[Machine]) -> list[str]:
 
 
 def _colour(machine: Machine) -> str:
-    """Return class and colour of what shows the verdict of a machine."""
+    """Return the HTML attributes that colour the verdict of a machine."""
     result = str(machine.headline.worst.best.result_name) if machine.diagnoses else ''
     state = next((v for v in VERDICTS if v.key == result), VERDICTS[-1])
     colours = f'background:{hex_colour(state.colour)};color:{ink(state.colour)}'
@@ -196,7 +196,7 @@ def _banner(machine: Machine, worst: Any) -> str:
 
 
 def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
-    """Return what was measured, on what, how."""
+    """Return asset, sensor, bearing, window and measured levels."""
     rows = [
         ('Asset', machine.hardware or machine.namespace or 'not named'),
         ('Sensor', machine.source.frame or 'not named'),
@@ -249,7 +249,7 @@ def _families(worst: Any) -> str:
 
 
 def _against(value: float, limit: float, digits: int) -> str:
-    # Adding zero makes -0.0 what it is.
+    # Adding zero turns -0.0 into 0.0.
     text = f'{round(value, digits) + 0.0:.{digits}f} / {limit:g}' if math.isfinite(value) else '-'
     return f'<b>{text}</b>' if value > limit else text
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The page as PDF, printed by a Chromium or Chrome: no light library draws it as well."""
+"""Report page as PDF, printed by Chromium or Chrome; no small library draws it as well."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bearing_twin.errors import BearingTwinError
 
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
 TIMEOUT = 120.0
-"""Longest that a page may take, s."""
+"""Time limit for drawing a page, s."""
 
 
 def browse(page: str, *arguments: str) -> str:
@@ -35,7 +35,7 @@ def browse(page: str, *arguments: str) -> str:
         raise BearingTwinError(msg)
     with tempfile.TemporaryDirectory(prefix='bearing_twin_page_') as folder:
         source = Path(folder) / 'page.html'
-        # The mark at its head tells the browser the encoding of a page that does not say it.
+        # The byte order mark tells the browser the encoding if the page does not.
         source.write_text(page, encoding='utf-8-sig')
         command = [browser, '--headless', '--no-sandbox', '--disable-gpu', '--hide-scrollbars']
         command += ['--disable-dev-shm-usage', '--disable-background-networking']

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures of a report, as SVG to be put into a page."""
+"""Figures of a report as SVG for its page."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ if TYPE_CHECKING:
 
 
 DECIDING = ('significance', 'modulation', 'baseline')
-"""Panels of the evidence that are not in the appendix, beside level or velocity."""
+"""Evidence panels in the main part, besides level or velocity; the appendix has the others."""
 CLOSE = 0.22
-"""Part of the height of a panel that a line of letters takes."""
+"""Height of a line of text relative to that of a panel."""
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
-    """Return caption and SVG of what a machine has data for; ids begin with ``prefix``."""
+    """Return caption and SVG of each figure that has data; the ids begin with ``prefix``."""
     plots = (
         _envelope_spectrum, _history, _over_temperature, _evidence, _waterfall, _fitted,
     )  # fmt: skip
@@ -53,7 +53,7 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
 
 
 def appended_figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
-    """Return the pictures of the appendix like :func:`figures`."""
+    """Return the figures of the appendix like :func:`figures`."""
     return _all(machine, prefix, (_spectrum, _other_evidence, _model, explained, over_each_other))
 
 
@@ -63,7 +63,7 @@ def _all(
     plots: Sequence[Callable[[Machine], tuple[str, Figure] | None]],
 ) -> list[tuple[str, str]]:
     found = []
-    # The style is that of the figure being made, never that of the program around it.
+    # The style applies to these figures only, not to the calling program.
     with mpl.rc_context(STYLE):
         for number, plot in enumerate(plots):
             found += _drawn(plot, machine, f'{prefix}{number}-')
@@ -73,12 +73,12 @@ def _all(
 def _drawn(
     plot: Callable[[Machine], tuple[str, Figure] | None], machine: Machine, prefix: str
 ) -> list[tuple[str, str]]:
-    """Draw one picture; one that absurd numbers make impossible costs no other."""
+    """Draw one figure; if that fails, return a caption with the reason."""
     try:
         made = plot(machine)
         return [(made[0], svg_element(made[1], prefix))] if made is not None else []
     except Exception as error:
-        # Matplotlib raises many kinds where numbers come near the largest of their type.
+        # Matplotlib raises many kinds of errors on numbers near the largest of their type.
         name = plot.__name__.strip('_').replace('_', ' ')
         return [(f'The {name} cannot be drawn ({type(error).__name__}: {error})', '')]
 
@@ -141,7 +141,7 @@ def verdicts_over_time(machines: Sequence[Machine]) -> list[tuple[str, str]]:
 
 
 def _patches(axes: Axes, machine: Machine, row: int = 0) -> dict[str, Rectangle]:
-    """Draw the verdicts of a machine in the row that begins at ``row``; return one of each."""
+    """Draw the verdicts of a machine from ``row`` to ``row + 1``; return a patch of each kind."""
     times = _times(machine.diagnoses)
     # A verdict holds until the next, the last one until the recording ends.
     ends = np.append(times[1:], machine.end)
@@ -151,7 +151,7 @@ def _patches(axes: Axes, machine: Machine, row: int = 0) -> dict[str, Rectangle]
     for first, after in zip(changes, [*changes[1:], len(names)], strict=True):
         colour = VERDICT_COLOURS.get(names[first], VERDICT_COLOURS['insufficient'])
         begin = times[first]
-        # One that came at the very end is a line.
+        # A verdict at the very end is a line.
         patch = Rectangle(
             (begin, row + 0.1), ends[after - 1] - begin, 0.8, color=colour, linewidth=0.5
         )
@@ -218,7 +218,7 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     peak = max(float(np.nanmax(np.abs(swing))) for swing in swings) or 1.0
     figure = Figure(figsize=(WIDTH, 0.7 + 0.11 * len(strips)), layout='constrained')
     axes = figure.subplots()
-    # The largest swing reaches over one and a half of its neighbours.
+    # The largest swing spans one and a half rows.
     scale = 1.5 / peak
     known = [strip.temperature for strip in strips if np.isfinite(strip.temperature)]
     coldest, hottest = (known[0], known[-1]) if known else (0.0, 0.0)
@@ -232,7 +232,7 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
         colour = (0.08 + 0.7 * part, 0.35 - 0.2 * part, 0.75 - 0.6 * part)
         colours.append(colour if np.isfinite(part) else (0.5, 0.5, 0.5))
     axes.add_collection(LineCollection(lines, colors=colours, linewidths=0.6))
-    # Rows are lower than letters.
+    # Rows are lower than text, so only some are labelled.
     named = range(0, len(strips), max(2, 1 + len(strips) // 8))
     axes.set_yticks(named)
     temperatures = [strips[k].temperature for k in named]
@@ -250,7 +250,7 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
 def _extremes(
     time: NDArray[np.float64], samples: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return lowest and highest of neighbouring samples in turn: the shape, in fewer points."""
+    """Return times and the lowest and highest sample of each group: the shape in fewer points."""
     group = max(1, samples.size // 800)
     if group < 2:
         return time, samples
@@ -296,7 +296,7 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
         title = wrap(curve.title, 75 // len(curves))
         if np.isfinite(curve.base):
             ratio = curve.values[-1] / curve.base
-            # Slip moves a frequency by less than a hundredth.
+            # Slip changes a frequency by less than 1 %.
             digits = 2 if curve.key in ('amplitude', 'level') else 4
             title.append(f'x {ratio:.{digits}f} at {curve.temperatures[-1]:.0f} °C')
             axes.axhline(curve.base, color='#9e9e9e', linewidth=0.7, dashes=(4, 2))
@@ -314,7 +314,7 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
 
 
 def _deciding(machine: Machine) -> tuple[str, ...]:
-    """Return what decides: the level where neither velocity nor baseline says what is high."""
+    """Return the keys of the deciding panels; level only without velocity and baseline."""
     if any(judged_by_velocity(message) for _, message in machine.diagnoses):
         return *DECIDING, 'velocity'
     known = np.isfinite(_values(machine.diagnoses, 'level_over_baseline')).any()
@@ -379,7 +379,7 @@ def _panels(
         for trend, values in lines:
             colour = hex_colour(trend.colour)
             axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
-            # A line shows no value between two that are missing, nor a single one.
+            # A line does not show a single value between missing ones: it becomes a point.
             there = np.pad(np.isfinite(values), 1)
             alone = there[1:-1] & ~there[:-2] & ~there[2:]
             axes.scatter(time[alone], values[alone], s=9.0, color=colour)
@@ -387,13 +387,13 @@ def _panels(
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         besides = [trend.named for trend, _ in lines if trend in panel.besides]
-        # A line and its colour stay together: wrap leaves spaces alone that do not break.
+        # No-break spaces keep a name and its colour together when the title is wrapped.
         whole = (name.replace(' ', '\N{NO-BREAK SPACE}') for name in besides)
         title = ', '.join([panel.title, *whole]).replace('[unit]', f'[{pretty(unit)}]')
         axes.set_title('\n'.join(wrap(title, 90 // columns)).replace('\N{NO-BREAK SPACE}', ' '))
         _draw_limits(axes, zones if panel.key == 'velocity' else panel.limits)
         if panel.from_zero:
-            # With zero among the data, the margin above is one of the whole height.
+            # With zero among the data, the upper margin is relative to the whole height.
             axes.update_datalim([(time[0], 0.0)])
             axes.autoscale_view(scalex=False)
             axes.set_ylim(bottom=0.0)
@@ -414,7 +414,7 @@ def _panels(
 
 
 def _time_axis(axes: Axes, end: float, name: str, numbers: int = 9) -> None:
-    """Write numbers at an axis of s in the unit in which ``end`` is told."""
+    """Label a time axis in s with the unit that suits ``end`` in s."""
     unit, length = time_unit(end)
     axes.set_xlabel(f'{name} [{unit}]')
     if unit != 's':
@@ -431,7 +431,7 @@ def _draw_limits(axes: Axes, limits: Sequence[Limit]) -> None:
 
 
 def _mark_limits(axes: Axes, limits: Sequence[Limit]) -> None:
-    """Name the limits right of the axes, where no curve is; those closer than letters in a row."""
+    """Label the limits right of the axes, where no curve is; close ones share a line of text."""
     low, high = axes.get_ylim()
     rows: list[list[Limit]] = []
     for limit in sorted((limit for limit in limits if limit.mark), key=lambda limit: limit.value):

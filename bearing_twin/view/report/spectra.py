@@ -27,12 +27,12 @@ CAPTION = (
 
 def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
     """
-    Draw an envelope spectrum and the first harmonic found from near.
+    Draw an envelope spectrum, and a zoom of the first harmonic found.
 
-    The combs stand in rows below the frequency axis, named at its left: they never cover a line
-    of the spectrum.
+    The combs are rows below the frequency axis with labels at the left: they never cover a line of
+    the spectrum.
     """
-    # The comb that is found comes first.
+    # The comb found comes first.
     near, combs = picture.zoom(), sorted(picture.combs, key=lambda comb: not comb.found)
     columns = [picture.deciding(), *([near] if near is not None else [])]
     rows = 0.16 * max(len(combs), 1)
@@ -52,7 +52,7 @@ def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
     upper = grid[0, 0]
     upper.set_title(picture.title)
     upper.set_ylabel(picture.quantity)
-    # A healthy spectrum stays low: the axis always holds the limit of a fault.
+    # The axis always includes the limit of a fault, so that a healthy spectrum stays low.
     top = 1.15 * max(float(picture.deciding().values.max(initial=0.0)), 1.05 * INDEX_FAULT)
     for axes in grid[0]:
         axes.set_ylim(0.0, top)
@@ -64,7 +64,7 @@ def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
 
 
 def draw_spectrum(axes: Axes, picture: SpectrumPicture, band: tuple[float, float]) -> None:
-    """Draw an amplitude spectrum; ``band``: the demodulated part is shaded."""
+    """Draw an amplitude spectrum and shade the demodulated ``band`` in Hz."""
     peak = float(picture.values.max(initial=0.0)) or 1.0
     kept, _ = highest(picture.values, BINS)
     axes.semilogy(
@@ -73,7 +73,7 @@ def draw_spectrum(axes: Axes, picture: SpectrumPicture, band: tuple[float, float
         color='#37474f',
         linewidth=0.6,
     )
-    # Powers of ten would be written in TeX, which is not read here.
+    # Powers of ten would be written in TeX, which this style does not render.
     axes.yaxis.set_major_formatter('{x:g}')
     floor = max(float(np.median(picture.values)) / 30.0, 1e-6 * peak)
     axes.set(

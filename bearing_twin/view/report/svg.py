@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Style of the pictures in a report, and how a figure becomes part of a page."""
+"""Style of the figures in a report, and their conversion to SVG."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def hex_colour(colour: Colour) -> str:
 FAMILY_COLOURS = {family.key: hex_colour(family.colour) for family in FAMILIES} | {
     'shaft': '#78909c'
 }
-"""Those of the viewer; told apart in print by their labels too."""
+"""Colours of the viewer by family; in print the labels distinguish them too."""
 
 VERDICT_COLOURS = {state.key: hex_colour(state.colour) for state in VERDICTS}
 
 BINS = 2400
-"""Most points of a drawn spectrum; of neighbouring bins the highest is kept."""
+"""Largest number of points of a drawn spectrum; the highest of neighbouring bins is kept."""
 STYLE: dict[Any, Any] = {
     'svg.fonttype': 'none',
     'font.family': 'sans-serif',
@@ -45,18 +45,18 @@ STYLE: dict[Any, Any] = {
     'axes.titlelocation': 'left',
     'legend.frameon': False,
     'legend.fontsize': 8.0,
-    # Units and names come out of recordings: a dollar sign is one.
+    # Units and names from recordings may hold a dollar sign.
     'text.parse_math': False,
 }
 WIDTH = 7.4
-"""Of every picture, inches: fits a printed A4 page."""
+"""Width of every figure, inches; fits a printed A4 page."""
 
 
 def svg_element(figure: Figure, prefix: str) -> str:
     """Return a figure as an SVG element whose ids all start with ``prefix``."""
     buffer = io.StringIO()
     with mpl.rc_context({'svg.hashsalt': prefix}), warnings.catch_warnings():
-        # Of characters that no font has, and of numbers near the largest of their type.
+        # It warns of missing glyphs and of numbers near the largest of their type.
         warnings.simplefilter('ignore')
         figure.savefig(buffer, format='svg', metadata={'Date': None, 'Creator': None})
     text = buffer.getvalue()
