@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One machine over time: its own baseline, what its level depends on, and when that rises."""
+"""One machine over time: its baseline, the dependence of its level, and the onset of a rise."""

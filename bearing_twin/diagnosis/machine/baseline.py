@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a machine did so far: its lowest levels, and what it does when it has settled."""
+"""Baseline of a machine: its lowest levels so far, and its levels when it has settled."""
 
 from __future__ import annotations
 
@@ -28,43 +28,45 @@ if TYPE_CHECKING:
 
 
 SETTLED_DB, SETTLED_K = 1.0, 1.5
-"""Change over a window up to which level and temperature count as settled. Film and clearance, and
-with them the vibration, move as long as a bearing warms up."""
+"""Largest change of level, dB, and temperature, K, over a settled window. While a bearing warms
+up, film and clearance change, and the vibration with them."""
 
 
 MOST_SCATTER_DB = 2.0
-"""Scatter up to which a machine has a baseline. Six times as much are 12 dB: a machine that
-scatters more would be called ok at four times its level. Several machines in one series do."""
+"""Largest scatter of a baseline, dB. Six times as much are 12 dB: a machine that scatters more
+would be called ok at four times its level. Several machines in one series scatter more."""
 
 _ANY = 'at '
-"""Begins the name of the class of all speeds; the octaves that they are corrected to end it."""
+"""Start of the name of the class of all speeds; its end is the speed they are corrected to, in
+octaves."""
 
 _PARTS, _LEAST = 4, 5
-"""Parts of a window whose medians are compared, and least levels in one. The lowest of fewer
-levels is chance; the first whole window of a machine that climbs is half way up."""
+"""Number of parts of a window for the lowest median, and least number of levels in a part. The
+lowest median of fewer levels is chance; the first whole window of a machine whose level climbs is
+already half way up."""
 
 
 @dataclass(frozen=True)
 class Baseline:
-    """What a settled machine does."""
+    """Levels of a settled machine and their condition."""
 
     levels: list[float]
     """Median of each measure, dB."""
     scatter: list[float]
-    """Its standard deviation, from the median of the distances, dB."""
+    """Standard deviation of each measure from the median absolute deviation, dB."""
     temperature: float
     """degC; NaN if unknown."""
     octaves: float
     """Base-2 logarithm of the shaft speed in Hz; NaN if unknown."""
     times: list[float]
-    """First and last, s."""
+    """Time of the first and the last level, s."""
 
 
 def settled(window: Sequence[Sequence[float]]) -> Baseline | None:
     """
-    Return the baseline of a window over which level and temperature stay; None if they move.
+    Return the baseline of a window; None if level or temperature have not settled.
 
-    A row of it is time in s, temperature in degC, log2 of the speed in Hz and levels in dB.
+    Each row holds time in s, temperature in degC, log2 of the speed in Hz and the levels in dB.
 
     Examples
     --------
@@ -96,7 +98,7 @@ def settled(window: Sequence[Sequence[float]]) -> Baseline | None:
 
 
 def _drift(values: NDArray[np.float64]) -> float:
-    """Change over a window: between the medians of its halves lies half of a steady one."""
+    """Return the change over a window: twice that between the medians of its halves."""
     if len(values) < 2:
         return 0.0
     early, late = np.array_split(values, 2)
@@ -104,18 +106,18 @@ def _drift(values: NDArray[np.float64]) -> float:
 
 
 def _median(values: list[float]) -> float:
-    """Return the median; NaN where one of the values is."""
+    """Return the median; NaN if a value is NaN."""
     return math.nan if any(map(math.isnan, values)) else statistics.median(values)
 
 
 @dataclass
 class Memory:
     """
-    What a stream or a series of one machine did so far; plain values, so that it can be saved.
+    Levels of one machine so far, and its baseline. Its fields can be saved.
 
-    A machine that gets worse while it is learnt settles, too. So the lowest median of a quarter
-    of a window is kept for each speed: what settles far over that has no baseline, and before
-    there is one, the last such median is compared with it.
+    A machine that gets worse during learning may settle, too. So the lowest median of a quarter of
+    a window is kept for each speed. Levels that settle far above it make no baseline. Before there
+    is a baseline, the last median of a quarter is compared with it.
 
     Examples
     --------
@@ -131,16 +133,16 @@ class Memory:
     """
 
     windows: dict[str, list[list[float]]] = field(default_factory=dict)
-    """Time, temperature, octaves and levels of the last at each speed."""
+    """Rows of time, temperature, octaves and levels of the newest window, for each speed."""
     medians: dict[str, list[list[float]]] = field(default_factory=dict)
-    """Lowest and last median of the whole signal at each speed: dB and temperature."""
+    """Lowest and last median of level, dB, and temperature of the whole signal, for each speed."""
     base: Baseline | None = None
     former: list[Baseline] = field(default_factory=list)
-    """Louder ones that it took the place of: another load, or before the machine ran in."""
+    """Louder baselines that were replaced: of another load, or before the machine ran in."""
     record: HealthyRecord = field(default_factory=HealthyRecord)
 
     def __post_init__(self) -> None:
-        """Refuse, of a saved memory, a class of speeds at no speed."""
+        """Refuse a saved memory with a class of speeds whose speed is no number."""
         for name in filter(None, self.windows):
             try:
                 known = math.isfinite(float(name.removeprefix(_ANY)))
@@ -154,10 +156,10 @@ class Memory:
         self, time: float, levels: list[float], now: Condition, wanted: int, most: float
     ) -> bool:
         """
-        Take levels in, dB, one a measure; tell whether they made a baseline, or a lower one.
+        Take the level of each measure, dB; return whether there is a new or a lower baseline.
 
-        It needs ``wanted`` of them which are less than ``most`` dB above the lowest before, at one
-        speed or where the dependence on speed is known.
+        A baseline needs ``wanted`` levels less than ``most`` dB above the lowest so far. They must
+        be at one speed unless the dependence on speed is known.
         """
         speed, laws = self._speed(now), self.laws()
         if speed.startswith(_ANY):
@@ -184,7 +186,7 @@ class Memory:
         return True
 
     def was_settled_at(self, levels: NDArray[np.float64]) -> Baseline | None:
-        """Return the former baseline that levels, dB, one a measure, agree with; None: no one."""
+        """Return the former baseline that agrees with the level of each measure, dB, or None."""
         for base in self.former:
             reach = SETTLED_DB + 2.0 * np.array(base.scatter)
             if (np.abs(levels - np.array(base.levels)) <= reach).all():
@@ -192,7 +194,7 @@ class Memory:
         return None
 
     def fallen(self, level: float, now: Condition, by: float) -> bool:
-        """Whether a level of the whole signal, dB, is so far below what the machine did so far."""
+        """Return whether a level of the whole signal, dB, is ``by`` dB below those so far."""
         if self.base:
             return level <= self.base.levels[0] - by
         speed = self._speed(now)
@@ -200,35 +202,36 @@ class Memory:
         return known and level <= self.medians[speed][0][0] - by
 
     def forget_before(self, time: float) -> None:
-        """Drop what was seen before a time, s, and is in no baseline yet."""
+        """Drop levels before a time, s, that are in no baseline yet."""
         for window in self.windows.values():
             window[:] = [row for row in window if row[0] >= time]
 
     def most(self) -> tuple[int, float]:
-        """Return how many levels are kept at the speed that has most, and it, Hz."""
+        """Return the largest number of levels kept at one speed, and that speed, Hz."""
         window = max(self.windows.values(), key=len, default=[])
         return len(window), 2.0 ** window[-1][2] if window else math.nan
 
     @property
     def at(self) -> Condition:
-        """Condition of the baseline; unknown without one."""
+        """Condition of the baseline; unknown without a baseline."""
         base = self.base
         return Condition(base.temperature, base.octaves) if base else Condition()
 
     def laws(self) -> list[Law]:
-        """Law of each measure."""
+        """Return the law of each measure."""
         return self.record.laws() or [Law()] * len(MEASURES)
 
     def over(self, levels: NDArray[np.float64], now: Condition) -> NDArray[np.float64]:
         """
-        Return by how much the machine is louder than it was, dB, one a measure; NaN at first.
+        Return the level of each measure over the earlier one of the machine, dB; NaN at first.
 
-        That of levels over the baseline. Before there is one, that of the last median over the
-        lowest, and of the whole signal only: the bands in which bearings ring move with film and
+        With a baseline it is the level over the baseline. Before, it is the last median over the
+        lowest, of the whole signal only: the bands in which bearings ring move with film and
         clearance.
         """
         if self.base is not None:
-            # Bands beyond half the sample rate are as much over it as the whole to the last bit.
+            # Rounded, because bands beyond half the sample rate must equal the whole signal to the
+            # bit.
             return np.asarray(np.round(levels - np.array(self.base.levels), 6))
         speed, over = self._speed(now), np.full(len(MEASURES), -math.inf)
         known = speed in self.medians
@@ -236,20 +239,20 @@ class Memory:
         return over
 
     def _over_lowest(self, speed: str, level: float, heat: float) -> float:
-        """Level over the lowest, dB, less what the difference in temperature may make of it."""
+        """Return a level over the lowest, dB, less the largest effect of their temperatures."""
         lowest, was = self.medians[speed][0]
         mean, deviation = PER_KELVIN
         may = mean * (heat - was) + Z90 * deviation * abs(heat - was)
         return level - lowest - (0.0 if math.isnan(may) else may)
 
     def _speed(self, now: Condition) -> str:
-        """Name of the class of speeds in which levels are compared."""
+        """Return the name of the class of speeds in which levels are compared."""
         if math.isnan(now.octaves):
             return ''
         laws = self.laws()
         if all(law.octaves.known for law in laws):
             name = next((name for name in self.windows if name.startswith(_ANY)), '')
-            # One that the machine had is comparable without the law, too.
+            # A speed that the machine had is comparable without the law, too.
             name = name or f'{_ANY}{statistics.median_low(row[1] for row in self.record.rows)}'
             at = Condition(octaves=float(name.removeprefix(_ANY)))
             if all(law.comparable(now, at) for law in laws):

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How the level of one machine depends on its temperature and speed, learnt from its healthy record.
+Dependence of the level of one machine on temperature and speed, from its healthy record.
 
-Physics does not say it: simulated bearings in the physical mode get louder or quieter with
-temperature, depending on load, clearance and speed. What they do is a weak prior
-(:data:`PER_KELVIN`, :data:`PER_OCTAVE`); the machine's own record decides. Where the record does
-not decide, nothing is corrected.
+Physics does not give its sign: simulated bearings in the physical mode get louder or quieter with
+temperature, depending on load, clearance and speed. They give a weak prior (:data:`PER_KELVIN`,
+:data:`PER_OCTAVE`); the record of the machine decides. If it does not decide, nothing is
+corrected.
 """
 
 from __future__ import annotations
@@ -26,31 +26,34 @@ if TYPE_CHECKING:
 
 PER_KELVIN = (-0.016, 0.05)
 """Mean and standard deviation of the change of level with temperature, dB/K, over healthy bearings
-with perfect surfaces simulated in the physical mode: from -0.095 to +0.112, so that physics does
-not even tell the sign (``python -m bearing_twin.studies.temperature prior``). With the waviness of
-the presets it is -0.012 to -0.002 in three such bearings, within the same standard deviation."""
+with perfect surfaces simulated in the physical mode: from -0.095 to +0.112 (``python -m
+bearing_twin.studies.temperature prior``). With the waviness of the presets it is -0.012 to -0.002
+in three such bearings, within the same standard deviation."""
 PER_OCTAVE = (10.0, 4.0)
-"""The same of the change with speed, dB per doubling. The machine around a bearing is not
-simulated, so the standard deviation is doubled."""
+"""Mean and standard deviation of the change of level with speed, dB per doubling. The machine
+around a bearing is not simulated, so the standard deviation is doubled."""
 DRIFT_DB = 6.0
-"""Prior standard deviation of a change over the whole record that neither explains, dB: run-in.
-Without it a machine that runs in while it warms up would seem to depend on temperature."""
+"""Prior standard deviation of a drift over the whole record that neither temperature nor speed
+explains, dB: run-in. Without it a machine that runs in while it warms up would seem to depend on
+temperature."""
 HUBER = 1.345
-"""Standard deviations up to which a deviation counts in full: 95 % efficient for normal ones."""
+"""Standard deviations up to which a deviation has full weight: 95 % efficient for a normal
+distribution."""
 CONVERGED, MOST_WEIGHINGS = 1e-9, 100
-"""Step of the robust regression below which it ends, prior standard deviations; most steps."""
+"""Step below which the robust regression ends, in prior standard deviations; most steps."""
 KNOWN_DB = 1.0
-"""A law is known where the 90 % interval of the correction over the learnt range is +- this."""
+"""Largest half width of the 90 % interval of the correction over the learnt range, dB, with which
+a law is known."""
 WIDENED = 1.2
-"""Factor on the standard deviations: with it the 90 % intervals cover the slopes of simulated
-machines, whose memory is estimated as well, in 90 to 94 % (``python -m
+"""Factor on the standard deviations: with it the 90 % intervals cover 90 to 94 % of the slopes of
+simulated machines, whose autocorrelation is estimated as well (``python -m
 bearing_twin.studies.temperature coverage``)."""
 LEAST_ROWS = 30
 MOST_ROWS = 256
-"""Rows kept; when there are more, every second is dropped."""
+"""Most rows that are kept; at this number every second one is dropped."""
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 REFIT = 1.1
-"""A law is fitted anew when the record is longer by this factor."""
+"""Growth of the record after which a law is fitted anew."""
 SAME_OCTAVES = math.log2(1.05)
 """Levels at speeds within 5 % are compared as they are: 0.7 dB at 10 dB per doubling."""
 Z90 = 1.645
@@ -58,7 +61,7 @@ Z90 = 1.645
 
 
 class Condition(NamedTuple):
-    """What a level was measured at."""
+    """Condition in which a level was measured."""
 
     temperature: float = math.nan
     """degC; NaN if unknown."""
@@ -67,31 +70,31 @@ class Condition(NamedTuple):
 
     @classmethod
     def at(cls, temperature: float, shaft_hz: float) -> Condition:
-        """Condition at a temperature, degC, and a shaft speed, Hz."""
+        """Return the condition at a temperature, degC, and a shaft speed, Hz."""
         octaves = math.log2(shaft_hz) if shaft_hz > 0.0 else math.nan
         return cls(float(temperature), octaves)
 
 
 class Slope(NamedTuple):
-    """Change of a level with one quantity, and where it was learnt."""
+    """Change of a level with one quantity, and the range in which it was learnt."""
 
     mean: float
     """dB per unit."""
     deviation: float
     """Standard deviation, dB per unit."""
     low: float
-    """5 % of the values in the record are below it."""
+    """Quantile of 5 % of the quantity in the record."""
     high: float
-    """95 % are."""
+    """Quantile of 95 %."""
     known: bool
-    """Whether the record decides it."""
+    """Whether the record decides the slope."""
 
     def correct(self, value: float, reference: float) -> tuple[float, float]:
         """
-        Change from ``reference`` to ``value`` and its standard deviation, dB.
+        Return the change from ``reference`` to ``value`` and its standard deviation, dB.
 
-        Both are held at the ends of the learnt range: what a machine does beyond it is not known,
-        and a bearing that runs hot because it fails must not be excused by its temperature.
+        Both are limited to the learnt range: the change beyond it is not known, and the level of a
+        bearing that runs hot because it fails must not be corrected for its temperature.
         """
         if not self.known or math.isnan(value) or math.isnan(reference):
             return 0.0, 0.0
@@ -110,13 +113,13 @@ class Law:
     octaves: Slope = UNKNOWN
 
     def correct(self, now: Condition, reference: Condition) -> tuple[float, float]:
-        """Change of the level from ``reference`` to ``now``, and its standard deviation, dB."""
+        """Return the change from ``reference`` to ``now`` and its standard deviation, dB."""
         heat, heat_sd = self.temperature.correct(now.temperature, reference.temperature)
         speed, speed_sd = self.octaves.correct(now.octaves, reference.octaves)
         return heat + speed, math.hypot(heat_sd, speed_sd)
 
     def comparable(self, now: Condition, reference: Condition) -> bool:
-        """Whether levels at two speeds can be compared; an unknown speed is taken as the same."""
+        """Return whether levels at two speeds are comparable; an unknown speed is comparable."""
         if math.isnan(now.octaves) or math.isnan(reference.octaves):
             return True
         values = (now.octaves, reference.octaves)
@@ -126,7 +129,7 @@ class Law:
         return max(values) - min(values) <= SAME_OCTAVES
 
     def __str__(self) -> str:
-        """Return what is known, in words."""
+        """Return the known dependence on temperature in words."""
         heat = self.temperature
         if heat.known:
             interval = f'{heat.mean:+.3f} +- {Z90 * heat.deviation:.3f} dB/K'
@@ -147,21 +150,21 @@ def fit_law(
     levels: NDArray[np.float64], temperatures: NDArray[np.float64], octaves: NDArray[np.float64]
 ) -> Law:
     """
-    Law of a healthy record, by robust regression with a prior.
+    Return the law of a healthy record, by robust regression with a prior.
 
-    Huber's regression of the level on temperature, logarithm of the speed and a drift over the
-    record, with normal priors. The deviations of a machine have a memory, which would make any
-    regression too sure of itself: they are whitened with their lag-one correlation (Cochrane and
-    Orcutt, JASA 1949, 44, 32), less its bias by a fitted trend (Marriott and Pope, Biometrika
-    1954, 41, 390).
+    It is Huber's regression of the level on temperature, logarithm of the speed and a drift over
+    the record, with normal priors. The deviations of a machine are autocorrelated, so the
+    intervals of a plain regression would be too narrow. They are whitened with their lag-one
+    correlation (Cochrane and Orcutt, JASA 1949, 44, 32), corrected for the bias of a fitted trend
+    (Marriott and Pope, Biometrika 1954, 41, 390).
 
-    What only goes with the temperature is no dependence on it. A machine that runs in while it
-    warms up shows all its temperatures in the first half of its record; a load that is heard at
-    once and warms the bearing later, and a film that follows the sensor late, go with the change
-    of the temperature as well. Neither is known.
+    A correlation with temperature can have other causes, and then the law is not known. A machine
+    that runs in while it warms up has all its temperatures in the first half of its record. A load
+    that is heard at once and warms the bearing later, and a film that follows the sensor late,
+    also correlate with the change of the temperature.
 
-    The levels, dB, are in order of time; temperatures, degC, and octaves, log2 Hz, are NaN where
-    they are unknown.
+    The levels, dB, are in order of time. Unknown temperatures, degC, and octaves, log2 Hz, are
+    NaN.
 
     Examples
     --------
@@ -182,7 +185,8 @@ def fit_law(
     heat = whole.temperature
     apart = abs(halves[1].mean - halves[0].mean)
     same = apart <= Z90 * (halves[0].deviation + halves[1].deviation)
-    # One warm-up beside one run-in decides nothing: each half must see half the temperatures.
+    # One warm-up during one run-in decides nothing: each half must have half the temperature
+    # range.
     same &= min(half.high - half.low for half in halves) >= 0.5 * (heat.high - heat.low)
     if heat.known and not (same and _at_once(levels, temperatures, octaves)):
         return replace(whole, temperature=heat._replace(known=False))
@@ -192,7 +196,7 @@ def fit_law(
 def _at_once(
     levels: NDArray[np.float64], temperatures: NDArray[np.float64], octaves: NDArray[np.float64]
 ) -> bool:
-    """Whether the level goes with the temperature and not with its change as well."""
+    """Return whether the level correlates with the temperature but not with its change."""
     known = np.isfinite(levels) & np.isfinite(temperatures)
     if np.isfinite(octaves).all():
         temperatures = np.column_stack([temperatures, octaves - np.median(octaves)])
@@ -203,7 +207,7 @@ def _at_once(
     priors = [(0.0, 1e3), (0.0, DRIFT_DB), *[PER_KELVIN, PER_OCTAVE][: heat.shape[1]], (0.0, 1e3)]
     level = levels[known]
     found, covariance = _regression(matrix, level - np.median(level), np.array(priors))
-    # One in a thousand sound records is refused.
+    # One in a thousand good records is refused.
     return bool(abs(found[-1]) <= 2.0 * Z90 * math.sqrt(covariance[-1, -1]))
 
 
@@ -213,7 +217,7 @@ def _law(
     known = np.isfinite(levels)
     rows: list[tuple[NDArray[np.float64], tuple[float, float]]] = []
     for values, prior in ((temperatures, PER_KELVIN), (octaves, PER_OCTAVE)):
-        # A quantity that is known now and then only is none; one that is not there, no condition.
+        # A quantity that is mostly unknown is left out, and rows without it are kept.
         if np.isfinite(values).mean() > 0.5:
             known &= np.isfinite(values)
         rows.append((values, prior))
@@ -237,7 +241,7 @@ def _law(
         (2, 3), ranges, (PER_KELVIN, PER_OCTAVE), strict=True
     ):
         sd = WIDENED * math.sqrt(covariance[index, index])
-        # Known from the record, not from the prior.
+        # The record, not the prior, must decide the slope.
         sure = Z90 * sd * (high - low) <= KNOWN_DB and sd <= 0.5 * width
         slopes.append(Slope(float(found[index]), sd, float(low), float(high), bool(sure)))
     return Law(*slopes)
@@ -246,7 +250,7 @@ def _law(
 def _regression(
     matrix: NDArray[np.float64], y: NDArray[np.float64], priors: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return coefficients and covariance of a robust regression with priors and memory."""
+    """Return coefficients and covariance of a robust regression with autocorrelation."""
     means, widths = priors.T
     memory, beta = 0.0, means.copy()
     covariance = np.diag(widths**2)
@@ -277,7 +281,7 @@ def _regression(
 
 def lag_one(values: NDArray[np.float64]) -> float:
     """
-    Lag-one correlation that single shocks do not hide (Gnanadesikan and Kettenring, 1972).
+    Return a lag-one correlation that is robust to outliers (Gnanadesikan and Kettenring, 1972).
 
     Examples
     --------
@@ -296,18 +300,18 @@ def _slope(values: list[float]) -> Slope:
 
 
 def _place(number: int, span: int) -> int:
-    """Which one of a group is kept: by turns of the golden ratio, in step with no duty cycle."""
+    """Return which row of a group is kept: by the golden ratio, in phase with no duty cycle."""
     return int(span * (GOLDEN * number % 1.0))
 
 
 @dataclass
 class HealthyRecord:
     """
-    Levels of a healthy machine with their conditions, thinned out as it grows.
+    Levels of a healthy machine with their conditions, thinned out as the record grows.
 
     One level in ``span`` is kept, so that a record of years has the size of one of hours. They are
-    not averaged: that would take away the days and nights which show what temperature does. Plain
-    values, so that it can be saved.
+    not averaged: a mean would remove days and nights, which show the effect of temperature. All
+    fields are plain values that can be saved.
 
     Examples
     --------
@@ -321,13 +325,13 @@ class HealthyRecord:
 
     span: int = 1
     rows: list[list[float]] = field(default_factory=list)
-    """Temperature, octaves and levels of each that was kept."""
+    """Temperature, octaves and levels of each kept row."""
     passed: int = 0
-    """Levels since the last that was kept."""
+    """Number of levels since the last kept one."""
     fitted: int = 0
-    """Levels from which the laws were fitted."""
+    """Number of levels from which the laws were fitted."""
     slopes: list[list[list[float]]] = field(default_factory=list)
-    """Laws of the measures: saved, so that a run that is resumed goes on to the bit."""
+    """Laws of the measures: saved so that a resumed run gives the same bits."""
 
     def __post_init__(self) -> None:
         sound = self.span >= 1 and min(self.passed, self.fitted) >= 0
@@ -338,11 +342,11 @@ class HealthyRecord:
 
     @property
     def count(self) -> int:
-        """Levels taken in."""
+        """Number of levels taken."""
         return self.span * len(self.rows)
 
     def add(self, levels: Sequence[float], condition: Condition) -> None:
-        """Take the levels of a healthy machine, dB, one a measure."""
+        """Take the level of each measure of a healthy machine, dB."""
         self.passed += 1
         number = len(self.rows)
         if self.passed < self.span + _place(number, self.span) - _place(number - 1, self.span):
@@ -355,7 +359,7 @@ class HealthyRecord:
             self.span *= 2
 
     def laws(self) -> list[Law]:
-        """Law of each measure, fitted anew now and then as the record grows; none at first."""
+        """Return the law of each measure, fitted anew as the record grows; empty at first."""
         if len(self.rows) >= LEAST_ROWS and self.count >= REFIT * self.fitted:
             self.fitted = self.count
             heat, octaves, *levels = np.array(self.rows).T

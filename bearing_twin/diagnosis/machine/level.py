@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The level of a diagnosis, from everything that is known: combs, own baseline and ISO zone."""
+"""Level of a diagnosis from combs, baseline of the machine and ISO zone; stage of a fault."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 
 
 SUSPECT_DB, FAULT_DB = 6.0, 12.0
-"""Level over the baseline of a machine that is doubtful, and of one that is damaged: twice and
-four times the acceleration."""
+"""Vibration over the baseline from which a machine is suspect, and from which it has a fault, dB:
+twice and four times the acceleration."""
 
 FALLEN = (
     'does the machine stand still, is the sensor loose or dead? After a repair start a new '
     'baseline'
 )
-"""What a level asks that is ``FAULT_DB`` below the baseline."""
+"""Question to the user about a vibration ``FAULT_DB`` below the baseline."""
 
 UNKNOWN = 0.5
-"""Confidence where the level alone speaks: no simulation says how often it is right."""
+"""Confidence of an answer from the level alone: no simulation tells how often it is right."""
 
 _NOT_JUDGED = (
     'not judged: wear without impacts, which raises the level only; it takes a zone (unit, power '
@@ -36,17 +36,17 @@ _NOT_JUDGED = (
 )
 
 _DEEP = 1.0
-"""Modulation index from which on the envelope is fully modulated."""
+"""Modulation index from which the envelope is fully modulated."""
 
 
 def is_urgent(level: str, velocity_rms: float, stage: int = 0) -> bool:
     """
-    Whether the cause of a vibration is to be found now, whichever part it is.
+    Return whether the cause of a vibration must be found now, whichever part it is.
 
-    That of a fault of stage 1 or 2 is known: combs of the bearing raised its level, and neither
-    the vibration over the baseline nor a zone did.
+    A fault of stage 1 or 2 is not urgent: its cause is known, because combs of the bearing raised
+    the level and neither the baseline nor a zone did.
 
-    The velocity, mm/s, is NaN and the stage 0 where they are not known.
+    An unknown velocity, mm/s, is NaN; an unknown stage is 0.
 
     Examples
     --------
@@ -61,13 +61,13 @@ def is_urgent(level: str, velocity_rms: float, stage: int = 0) -> bool:
 
 def raised(diagnosis: Diagnosis) -> Diagnosis:
     """
-    Raise the level to the one that the vibration severity demands, with the reason.
+    Return a diagnosis with its level raised to the one of the vibration severity, and the reason.
 
-    Zone C of ISO 20816-3, twice the level of the asset's own baseline, or one that has risen for
-    good (:class:`bearing_twin.diagnosis.machine.onset.Rise`), is at least suspect;
-    zone D, or four times, is a fault, of unknown place if no comb tells. *Ball or cage* is a fault
-    from twice the baseline on: the level agrees with the comb. A *healthy* answer that has neither
-    zone nor baseline says what it does not speak of.
+    The level is at least suspect in zone C of ISO 20816-3, at twice the baseline of the machine,
+    and after a lasting rise (:class:`bearing_twin.diagnosis.machine.onset.Rise`). It is a fault in
+    zone D and at four times the baseline; without a comb its place is unknown. *Ball or cage* is a
+    fault from twice the baseline: the vibration agrees with the comb. A *healthy* answer without
+    zone and baseline says what it does not cover.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
@@ -103,7 +103,7 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
 
 def staged(diagnosis: Diagnosis) -> Diagnosis:
     """
-    Return a diagnosis with the stage of its fault, 0 where its level is none.
+    Return a diagnosis with the stage of its fault, 0 if its level is not *fault*.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
@@ -124,11 +124,11 @@ def staged(diagnosis: Diagnosis) -> Diagnosis:
 
 def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
     """
-    Stage 1 (incipient) to 4 (severe) of a named fault.
+    Return the stage of a fault, from 1 (incipient) to 4 (severe).
 
-    1: the envelope is modulated less than fully; 2: fully; 3: the level has also doubled (6 dB)
-    over the asset's baseline, or the machine is in zone C; 4: it has quadrupled, or zone D.
-    Without baseline and zone the stage is at most 2.
+    1: the envelope is not fully modulated; 2: it is; 3: the vibration is twice (6 dB) the baseline
+    of the machine, or in zone C; 4: it is four times the baseline, or in zone D. Without baseline
+    and zone the stage is at most 2.
 
     >>> fault_stage(0.7, 2.0, 'A'), fault_stage(0.7, 13.0, '')
     (1, 4)
@@ -142,9 +142,9 @@ def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
 
 
 def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:
-    """Level that the severity asks for, and by what."""
+    """Return the level that the severity requires, and the reason."""
     severity: Severity = diagnosis.severity
-    # What the correction for temperature is not sure of must not raise an alarm.
+    # The uncertainty of the correction for temperature must not raise an alarm.
     sure = severity.level_over_baseline - Z90 * severity.correction_sd
     over = f'a level {sure:.1f} dB over the baseline'
     agrees = set(diagnosis.faults) == {'ball', 'cage'}
@@ -164,10 +164,10 @@ def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:
 
 def by_zone(severity: Severity) -> tuple[str, str]:
     """
-    Level that the velocity RMS asks for, and why; 'none' where it asks for none.
+    Return the level that the velocity RMS requires, and the reason; 'none' if it requires none.
 
-    Where power group or mounting are not known, a velocity that is in zone D of all of them is
-    suspect and no alarm: the standard may not apply to the machine.
+    If power group or mounting are not known, a velocity in zone D of all of them is suspect and no
+    alarm: the standard may not apply to the machine.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient

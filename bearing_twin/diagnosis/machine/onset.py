@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""When a level began to rise, that it rises at all, and how fast."""
+"""Onset of a rise of a level: whether it rises, since when, and how fast."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ if TYPE_CHECKING:
 
 
 REFERENCE_DB = 3.0
-"""Half the rise that is looked for, twice the acceleration: the best reference (Moustakides,
-Annals of Statistics 1986, 14, 1379)."""
+"""Reference of the CUSUM: half of the 6 dB (twice the acceleration) to be found, which is the
+optimum (Moustakides, Annals of Statistics 1986, 14, 1379)."""
 DECISION_DB = 40.0
-"""Sum from which a rise is one. Of 100 simulated machines with one level a minute, a baseline of
-60 levels and a wander of 1.2 dB with a memory of 20 levels, 51 reach it in a year; with a memory
-of 10 levels 11 do, and of those that wander by 0.8 dB none (``python -m
+"""Sum above which a level has risen. Of 100 simulated machines with one level a minute, a baseline
+of 60 levels and a wander of 1.2 dB with a memory of 20 levels, 51 reach it in a year; with a
+memory of 10 levels 11 do, and of those that wander by 0.8 dB none (``python -m
 bearing_twin.studies.rise``). A rise of 4 dB is found after 46 levels, one of 6 dB after 14."""
 WANDER_DB = 1.2
-"""Standard deviation up to which the above holds; both limits grow with a larger one."""
+"""Standard deviation of a level up to which both limits hold; they grow with a larger one."""
 
 MOST = 300
-"""Points that a slope is taken from: all are compared pair by pair, and more tell no more."""
+"""Most points of a slope: all pairs are compared, and more points add no information."""
 LEAST = 10
 
 
 @dataclass
 class Rise:
     """
-    Page's CUSUM of a level over its baseline; plain values, so that it can be saved.
+    Page's CUSUM of a level over its baseline. Its fields are plain values that can be saved.
 
-    It finds a rise that is too small for the limits of one window but lasts.
+    It finds a lasting rise that is too small for the limits of one window.
 
     Examples
     --------
@@ -47,11 +47,11 @@ class Rise:
     """
 
     total: float = 0.0
-    """Sum of how far the levels are above the reference, dB."""
+    """CUSUM of the levels over the reference, dB."""
     lasting: int = 0
-    """Levels since the sum was last zero."""
+    """Number of levels since the sum was last zero."""
     found: bool = False
-    """Whether the level has risen for good."""
+    """Whether the level has risen."""
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.total) and min(self.total, self.lasting) >= 0):
@@ -60,7 +60,7 @@ class Rise:
 
     def add(self, over: float, scatter: float = 0.0) -> bool:
         """
-        Take a level and tell whether it has risen for good.
+        Take a level and return whether it has risen.
 
         Parameters
         ----------
@@ -71,7 +71,7 @@ class Rise:
 
         """
         scale = max(1.0, scatter / WANDER_DB)
-        # Held at twice the limit: a long alarm must end soon after its cause.
+        # Limited to twice the threshold: a long alarm must end soon after its cause.
         raised = self.total + over - scale * REFERENCE_DB
         self.total = min(max(raised, 0.0), 2.0 * scale * DECISION_DB)
         self.lasting = self.lasting + 1 if self.total > 0.0 else 0
@@ -81,11 +81,10 @@ class Rise:
 
 def rise_begins(levels: NDArray[np.float64], floor: float, reference: float) -> int:
     """
-    Index from which levels stand over ``floor`` for good: the last zero of Page's CUSUM.
+    Return the index from which levels stay above ``floor``: the last zero of Page's CUSUM.
 
     Page, Biometrika 1954, 41, 100: the sum of levels less ``floor + reference``, never below zero.
-    Where an alarm is raised at the end, its last zero is the maximum likelihood estimate of the
-    change.
+    If the alarm is at the end, the last zero is the maximum likelihood estimate of the change.
 
     The levels, dB, end at the alarm; ``reference`` is half the smallest rise of interest.
 
@@ -103,7 +102,7 @@ def rise_begins(levels: NDArray[np.float64], floor: float, reference: float) -> 
 
 def slope(times: NDArray[np.float64], levels: NDArray[np.float64]) -> float:
     """
-    Robust slope of levels over times (Theil and Sen); NaN from fewer than ten points.
+    Return the robust slope of levels over times (Theil and Sen); NaN from fewer than ten points.
 
     Examples
     --------
@@ -111,7 +110,7 @@ def slope(times: NDArray[np.float64], levels: NDArray[np.float64]) -> float:
     3.0
 
     """
-    # Loaded when needed: half a second.
+    # Imported when needed: it takes half a second.
     from scipy.stats import theilslopes
 
     step = max(len(times) // MOST, 1)

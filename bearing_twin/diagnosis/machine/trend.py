@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Memory of one asset: its baseline, learnt while healthy, and an answer that does not chatter."""
+"""Trend of one machine: its baseline, learnt while healthy, and the held answer."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _SAME_RATE = 0.05
 _DOUBTFUL = 0.1
-"""Share of doubtful windows above which the baseline says that it was learnt beside them."""
+"""Share of suspect and faulty windows above which a reason says so of the baseline."""
 _NOT_YET = (
     'no baseline: {wanted} settled healthy windows wanted; {count} healthy, {doubtful} doubtful'
 )
@@ -35,16 +35,16 @@ _LEARNT_IN_DOUBT = (
 )
 _LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine was idle then'
 _MOST_OVER_DB = 0.5 * SUSPECT_DB
-"""Level over the lowest from which on a stream that has settled has no baseline: one that settles
-on its way to 10 dB is suspect in the end all the same."""
+"""Level over the lowest, dB, from which a settled stream makes no baseline. A machine that settles
+below it, on its way to 10 dB, is suspect in the end all the same."""
 _FIRST = 60
-"""Minutes over which a rise is looked for: what a machine does in its first healthy hour."""
+"""First healthy minutes of a machine, the reference of a rise."""
 
 
 @dataclass(frozen=True)
 class Source:
     """
-    What a baseline is learnt from: levels of different sources are not compared.
+    Source of the levels of a baseline. Levels of different sources are not compared.
 
     >>> machine = Source('imu y', '6205', 'm/s^2', 12000.0)
     >>> machine.same(replace(machine, sample_rate=12003.2)), machine.same(Source())
@@ -60,58 +60,58 @@ class Source:
     unit: str = ''
     """Of the samples."""
     sample_rate: float = 0.0
-    """Hz. One that is estimated from stamps differs a little from start to start."""
+    """Hz. A rate estimated from stamps differs a little between starts."""
 
     def same(self, other: Source) -> bool:
-        """Whether levels of both are comparable."""
+        """Return whether levels of both sources are comparable."""
         near = abs(self.sample_rate - other.sample_rate) <= _SAME_RATE * self.sample_rate
         named = (self.sensor, self.bearing, self.unit)
         return near and named == (other.sensor, other.bearing, other.unit)
 
     def __str__(self) -> str:
-        """Return it for a message."""
+        """Return the source in words, for a message."""
         rate = f'{self.sample_rate:.5g} Hz'
         return f'sensor {self.sensor!r}, bearing {self.bearing!r}, {self.unit!r}, {rate}'
 
 
 @dataclass
 class Trend:
-    """Baseline and held answer; plain values, so that they can be saved."""
+    """Baseline and held answer of one machine. All fields are plain values that can be saved."""
 
     count: int = 0
-    """Healthy windows learnt from so far."""
+    """Number of healthy windows in the baseline so far."""
     doubtful: int = 0
-    """Windows that were suspect or faulty meanwhile."""
+    """Number of suspect or faulty windows meanwhile."""
     memory: Memory = field(default_factory=Memory)
-    """What levels it had, and the baseline made of them."""
+    """Levels of the machine so far, and the baseline from them."""
     first: list[list[float]] = field(default_factory=list)
-    """Temperature, octaves and level of the whole signal of the first healthy minutes."""
+    """Temperature, octaves and level of the whole signal, of each of the first healthy minutes."""
     minute: list[list[float]] = field(default_factory=list)
-    """Temperature, octaves and all levels of the windows of the present minute."""
+    """Temperature, octaves and all levels, of each window of the present minute."""
     rise: Rise = field(default_factory=Rise)
     measure: int = 0
-    """Of :data:`MEASURES`, the one that was furthest over the baseline."""
+    """Index in :data:`MEASURES` of the measure furthest over the baseline."""
     source: Source = field(default_factory=Source)
-    """What it is learnt from; its sample rate is 0 before the first statement."""
+    """Source of the levels; its sample rate is 0 before the first window."""
     level: str = ''
-    """Level that is held; empty before the first statement."""
+    """Held level; empty before the first verdict."""
     pending: str = ''
-    """Level that wants to take over."""
+    """Other level that the last verdicts had."""
     pending_count: int = 0
-    """Verdicts in a row that asked for it."""
+    """Number of verdicts in a row with that level."""
     answer: str = ''
-    """Answer that is held at that level, with its faults: ``'ambiguous ball cage'``."""
+    """Held answer at the held level, with its faults: ``'ambiguous ball cage'``."""
     confidence: float = 0.0
-    """Confidence of that answer."""
+    """Confidence of the held answer."""
     stage: int = 0
-    """Its stage."""
+    """Stage of the held answer."""
     other: str = ''
-    """Answer of the same level that wants to take over."""
+    """Other answer at the held level that the last verdicts had."""
     other_count: int = 0
-    """Verdicts in a row that gave it."""
+    """Number of verdicts in a row with that answer."""
 
     def __post_init__(self) -> None:
-        """Refuse, of a saved trend, a measure or an answer that there is not."""
+        """Refuse a saved trend with an unknown measure or answer."""
         words = self.answer.split()
         sound = bool(words) == bool(self.level) and all(word in FAULT_CODES for word in words)
         if not (sound and 0 <= self.measure < len(MEASURES)):
@@ -119,7 +119,7 @@ class Trend:
             raise BearingTwinError(msg)
 
     def takes(self, source: Source) -> bool:
-        """Whether windows of ``source`` belong to it."""
+        """Return whether windows of ``source`` belong to this trend."""
         return not self.source.sample_rate or self.source.same(source)
 
     def update(
@@ -133,22 +133,22 @@ class Trend:
         minute: int = 60,
     ) -> Diagnosis:
         """
-        Take a diagnosis in; return it with level over baseline, stage and the held answer.
+        Take a diagnosis; return it with the level over the baseline, stage and held answer.
 
         Parameters
         ----------
         diagnosis
-            Fresh verdict.
+            Verdict on one window.
         source
-            What it was made from, which the trend :meth:`takes`.
+            Source of the window, which the trend :meth:`takes`.
         wanted
-            Healthy windows that make a baseline; it is then kept as it is.
+            Number of healthy windows in a baseline, which is then kept as it is.
         hold
-            Verdicts in a row before level or answer change.
+            Number of equal verdicts in a row before level or answer change.
         full
-            Whether the window was full. The first full one sets the level at once.
+            Whether the window is full. The first full window sets the level at once.
         minute
-            Windows in a minute.
+            Number of windows in a minute.
 
         """
         severity = diagnosis.severity
@@ -162,9 +162,9 @@ class Trend:
             alone = raised(diagnosis).level
             self.doubtful += full and alone in ('suspect', 'fault')
             louder = memory.over(levels, now)[0] >= SUSPECT_DB
-            # Where no fault could show the level is as good as that of a healthy window.
+            # If no fault could show, the level is as good as that of a healthy window.
             silent = full and alone == 'none' and diagnosis.rule in NOTHING_SHOWS
-            # A healthy window among faulty ones shows a damaged machine.
+            # A healthy window among faulty ones is of a damaged machine.
             if (alone == 'ok' or silent) and (louder or self.level in ('', 'ok')):
                 self.count += 1
                 if memory.learn(self.count, levels.tolist(), now, wanted, _MOST_OVER_DB):
@@ -179,7 +179,7 @@ class Trend:
     def _compared(
         self, diagnosis: Diagnosis, levels: NDArray[np.float64], now: Condition, wanted: int
     ) -> Diagnosis:
-        """Return a diagnosis with what its levels are over those of this machine so far."""
+        """Return a diagnosis with its levels over those of this machine so far."""
         memory, said, severity = self.memory, list(diagnosis.reasons), diagnosis.severity
         base, laws = memory.base, memory.laws()
         if self.doubtful > _DOUBTFUL * wanted or (base is None and self.count > wanted):
@@ -206,7 +206,8 @@ class Trend:
         elif base is None and over[0] >= SUSPECT_DB:
             said.append(_LOWEST)
         elif over[0] <= -FAULT_DB:
-            # A sensor that hears nothing does not say that all is well; a place it would not hear.
+            # A dead sensor does not mean a healthy machine; a named place means that it is not
+            # dead.
             if not diagnosis.faults:
                 diagnosis = replace(
                     diagnosis, result='insufficient', level='none', confidence=0.0,
@@ -221,9 +222,8 @@ class Trend:
         """
         Return the measure that is furthest over the baseline.
 
-        The one named before stays until another is clearly further over the baseline, or asks
-        for a higher level. Otherwise the text would change with each window where two are about
-        equal.
+        The previous measure stays until another is clearly further over the baseline, or requires
+        a higher level. Otherwise the text would change with each window if two are about equal.
         """
         most = int(np.argmax(over))
         clear = not over[most] - over[self.measure] < KNOWN_DB
@@ -231,8 +231,8 @@ class Trend:
         return most if clear or levels[most] > levels[self.measure] else self.measure
 
     def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
-        """Return what is shown of a window; a single one that tells nothing changes no answer."""
-        # But that the machine stands still or the sensor is dead is told at once.
+        """Return the shown diagnosis; a single window without information changes no answer."""
+        # But a machine that stands still, or a dead sensor, is reported at once.
         fallen = own.severity.level_over_baseline <= -FAULT_DB
         stands = self.level in ('suspect', 'fault') or (self.level == 'ok' and not fallen)
         held = own.level != 'none' or stands
@@ -241,12 +241,12 @@ class Trend:
         if own.level == shown.level:
             self.stage = stage
         elif shown.level == 'fault' and stage < self.stage:
-            # A window without the fault does not know how far it has come.
+            # A window without the fault does not tell its stage.
             return replace(shown, severity=replace(shown.severity, stage=self.stage))
         return shown
 
     def _take_minute(self, *, healthy: bool) -> None:
-        """Take a minute into the healthy record, and look for a rise over the first ones."""
+        """Add a minute to the healthy record, and look for a rise over the first minutes."""
         heat, octaves, *levels = np.median(self.minute, axis=0).tolist()
         self.minute.clear()
         now, memory = Condition(heat, octaves), self.memory
@@ -264,12 +264,13 @@ class Trend:
             self.rise.add(levels[0] - law.correct(now, base)[0] - floor, scatter)
 
     def _held(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
-        """Return a window's own diagnosis with the level and the answer that are held."""
+        """Return the diagnosis of a window with the held level and answer."""
         if not self.level and not full:
-            # The first full window sets the level; before it none is known.
+            # The first full window sets the level; before it the level is unknown.
             return replace(own, level='none', window=(own.result, own.level))
         said = ' '.join((own.result, *own.faults))
-        # A fault is held for as long as nothing is known, any other answer for a while.
+        # Without information a fault is held for as long as that lasts, any other answer for a
+        # while.
         known = own.level != 'none' or self.level == 'suspect'
         before, level = self.level, self._hold(own.level, hold) if known else self.level
         if level == 'none':
@@ -306,7 +307,7 @@ class Trend:
         )
 
     def _another(self, said: str, hold: int) -> bool:
-        """Whether another answer of the held level takes over."""
+        """Count another answer at the held level; return whether it becomes the held one."""
         self.other_count = self.other_count + 1 if said == self.other else 1
         self.other = said
         return self.other_count >= hold
@@ -324,7 +325,7 @@ class Trend:
         return self.level
 
     def values(self) -> dict[str, Any]:
-        """Plain values for saving."""
+        """Return the fields as plain values for saving."""
         return asdict(self)
 
 
