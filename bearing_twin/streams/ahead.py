@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Work ahead in a thread: the results come in the same order, and errors where they belong."""
+"""Iteration with a thread that computes items in advance."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def ahead(items: Iterable[T], *, depth: int, batch: int) -> Iterator[T]:
     """
     Yield ``items`` while a thread computes up to ``depth`` of them in advance.
 
-    They change hands ``batch`` at a time: each time may cost both threads a wait for the other.
-    An exception that ``items`` raises is raised here after what came before it. Leaving the
-    iteration early ends the thread.
+    The order stays the same. Items are handed over ``batch`` at a time, because at each handover
+    the threads may wait for each other. An exception of ``items`` is raised here after the items
+    before it. Leaving the iteration early ends the thread.
     """
     results: queue.Queue[tuple[list[T], bool, BaseException | None]]
     results = queue.Queue(max(depth // batch, 1))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Times of arrival, and numbers, of the messages that are handed out. Knows no ROS."""
+"""Times of arrival of received messages, and counts of lost ones. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from collections import Counter
 from typing import Any
 
 MOST_HEARD = 10_000
-"""Topics and publishers that are known: beyond, the one that is silent longest is forgotten."""
+"""Most topics or publishers to remember; above, the one that was silent longest is dropped."""
 
 
 class ArrivalTimes:
     """
-    Give each message of a topic a time of arrival that is not before that of the one before.
+    Give the messages of a topic times of arrival that never decrease.
 
-    A message that is sent again after a loss arrives late and holds back those behind it, which
-    arrived earlier. All of them get the time of the late one. Where the system clock is set back,
-    the times follow it at once.
+    A message that is sent again after a loss arrives late, and the middleware holds back the
+    messages behind it, which arrived earlier. They all get the time of the late one. If the system
+    clock is set back, the times follow it at once.
 
     Examples
     --------
@@ -30,7 +30,7 @@ class ArrivalTimes:
     """
 
     def __init__(self) -> None:
-        # The topic that is silent longest is the first.
+        # The topic that has been silent longest comes first.
         self._latest: dict[str, int] = {}
 
     def of(self, topic: str, received: int, *, now: int) -> int:
@@ -40,11 +40,11 @@ class ArrivalTimes:
         Parameters
         ----------
         topic
-            Its topic.
+            Topic of the message.
         received
-            Time at which the middleware received it, ns.
+            Time at which the middleware received the message, ns.
         now
-            The same clock now, ns: nothing was received later.
+            Present time of the same clock, ns; the upper limit of the result.
 
         """
         latest = min(max(received, self._latest.pop(topic, 0)), now)
@@ -56,7 +56,7 @@ class ArrivalTimes:
 
 class MessageNumbers:
     """
-    Count what publishers sent before they were heard, and what is missing between their messages.
+    Count messages sent before a publisher was first heard, and messages lost after that.
 
     Examples
     --------
@@ -70,24 +70,24 @@ class MessageNumbers:
 
     def __init__(self) -> None:
         self.sent_before: Counter[str] = Counter()
-        """Messages by topic that were sent before their publisher was heard."""
+        """Messages per topic that were sent before their publisher was first heard."""
         self.skipped = 0
-        """Messages missing between others."""
-        # By topic and publisher; the one that is silent longest is the first.
+        """Messages missing between received ones."""
+        # By topic and publisher; the pair that has been silent longest comes first.
         self._heard: dict[tuple[str, object], int] = {}
 
     def see(self, topic: str, source: Any, number: int | None) -> None:
         """
-        Take note of a message.
+        Count a message.
 
         Parameters
         ----------
         topic
-            Its topic.
+            Topic of the message.
         source
-            Identity of its publisher as rclpy tells it; None on Jazzy, which does not.
+            Identity of its publisher from rclpy; None on Jazzy, which gives none.
         number
-            Its number; None where the middleware gives none.
+            Sequence number of the message; None if the middleware gives none.
 
         """
         if source is None or number is None:
@@ -102,5 +102,5 @@ class MessageNumbers:
             self.skipped += max(0, number - last - 1)
 
     def pause(self) -> None:
-        """Count nothing of what is sent from now to the next message."""
+        """Do not count messages sent between now and the next received one."""
         self._heard = dict.fromkeys(self._heard, 0)

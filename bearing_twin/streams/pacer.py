@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Absolute deadlines for blocks of samples, and the policy for being late. Knows no ROS."""
+"""Absolute deadlines for blocks of samples, and the policy for late blocks. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from bearing_twin.stamps import NANO, samples_ns
 import numpy as np
 
 RECENT = 1500
-"""Blocks that statistics speak of: a minute at 25 blocks/s."""
+"""Blocks in the statistics: one minute at 25 blocks/s."""
 
 STEP_TOLERANCE = 50_000_000
-"""Difference of the two clocks above which the stamps are anchored anew, ns."""
+"""Difference of the two clocks above which the stamps get a new anchor, ns."""
 
 
 class Due(NamedTuple):
-    """One block that has to be computed now."""
+    """A block that is due."""
 
     first_sample: int
     stamp: int
@@ -29,25 +29,25 @@ class Due(NamedTuple):
     lateness: float
     """Time since its deadline, s."""
     number: int = 0
-    """Blocks given out up to this one, itself included."""
+    """Number of blocks returned so far, including this one."""
     dropped: int = 0
-    """Blocks skipped up to this one."""
+    """Number of blocks skipped so far."""
 
 
 @dataclass(frozen=True)
 class LatenessReport:
-    """Lateness over the recent blocks, and the counts since the start."""
+    """Lateness of the recent blocks, and counts since the start."""
 
     published: int
     late: int
     dropped: int
     recently_dropped: int
-    """Among as many blocks as the percentiles speak of."""
+    """Dropped among the recent blocks, over which the percentiles are taken."""
     clock_steps: int
     p50: float
     p99: float
     worst: float
-    """All three in s; NaN before the first block."""
+    """Median, 99th percentile and maximum of the lateness, s; NaN before the first block."""
 
 
 class Pacer:
@@ -55,13 +55,13 @@ class Pacer:
     Decide which blocks are due.
 
     Block k covers samples ``k n .. (k+1) n - 1`` and is due when its last sample has been taken:
-    ``start + (k + 1) n / rate``. Deadlines are absolute, so nothing accumulates. A caller that
-    is late gets up to ``catch_up`` blocks in one call, and up to ``behind`` in all; older ones are
-    skipped and counted, and the sample index runs on over them so that every reader sees the gap.
+    ``start + (k + 1) n / rate``. Deadlines are absolute, so errors do not accumulate. A late
+    caller gets up to ``catch_up`` blocks in one call; up to ``behind`` blocks wait. Older blocks
+    are skipped and counted. The sample index counts them, so every reader sees the gap.
 
-    Pacing follows ``ticks`` (a steady clock, or /clock); stamps follow the node's clock. The two
-    are compared at each call: where the node's clock has been stepped, or has drifted by more
-    than 50 ms, the stamps are anchored anew and the step is counted.
+    Pacing follows ``ticks`` (a steady clock, or /clock); stamps follow the node's clock. Each call
+    compares the two clocks: if the node's clock has been stepped or has drifted by more than
+    50 ms, the stamps get a new anchor and the step is counted.
 
     Parameters
     ----------
@@ -70,12 +70,12 @@ class Pacer:
     rate
         Sample rate, Hz.
     catch_up
-        Most blocks given out by one call, at least 1.
+        Most blocks that one call returns, at least 1.
     late_after
         Lateness above which a block counts as late, s.
     behind
-        Most blocks that may wait for the next calls, those of this one included; ``catch_up`` if
-        that is more.
+        Most blocks that may be waiting, including those the present call returns; at least
+        ``catch_up``.
 
     """
 
@@ -107,7 +107,7 @@ class Pacer:
         return self.block / self.rate
 
     def _offset(self, sample: int) -> int:
-        """Nanoseconds from the anchor to ``sample``, without accumulating a rounding error."""
+        """Nanoseconds from the anchor to ``sample``, without accumulated rounding errors."""
         return samples_ns(sample - self._anchor_sample, self.rate)
 
     def anchor(self, *, ticks: int, time: int) -> None:
@@ -132,14 +132,14 @@ class Pacer:
             return []
         elapsed = ticks - self._tick_anchor
         if elapsed < self._offset(self.next_sample) - STEP_TOLERANCE:
-            # Blocks have been given out for times that lie ahead: the clock was set back.
+            # Blocks of a future time have been returned: the clock was set back.
             self.step(ticks=ticks, time=time)
             return []
         drift = (time - self._time_anchor) - elapsed
         if abs(drift) > STEP_TOLERANCE:
             self.clock_steps += 1
             self._time_anchor += drift
-        # Floor with integers: the last sample of a due block has been taken.
+        # Floor division: the last sample of a due block has been taken.
         taken = self._anchor_sample + int(elapsed * self.rate // NANO)
         count = max(0, (taken - self.next_sample) // self.block)
         if count > self.behind:
@@ -162,10 +162,10 @@ class Pacer:
 
     def wake_up(self, ticks: int, slots: int = 1) -> int:
         """
-        Return the wake-up that follows the one at about ``ticks``, ns; ``slots`` lie in a period.
+        Return the time of the next wake-up after the one at about ``ticks``, ns.
 
-        Each is computed from the anchor, as the deadlines are: the period of a timer is whole ns,
-        and would leave them behind by up to 0.1 ms an hour.
+        There are ``slots`` wake-ups in a period. Their times are computed from the anchor, like
+        the deadlines: a timer has a period in whole ns, and would drift by up to 0.1 ms per hour.
         """
         if self._tick_anchor is None:
             return ticks + round(self.period * NANO / slots)
@@ -174,7 +174,7 @@ class Pacer:
         return self._tick_anchor + math.ceil(number * self.block * NANO / (self.rate * slots))
 
     def phase(self, ticks: int) -> float:
-        """Return the part of the current period that is over, 0 to 1."""
+        """Return the elapsed fraction of the current period, 0 to 1."""
         if self._tick_anchor is None:
             return 0.0
         begun = self._tick_anchor + self._offset(self.next_sample)

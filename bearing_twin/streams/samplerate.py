@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The sample rate that really arrives, measured against the stamps. Knows no ROS."""
+"""Measurement of the actual sample rate from the stamps. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -12,33 +12,34 @@ from typing import NamedTuple
 from bearing_twin.stamps import NANO
 
 SPAN = NANO
-"""Time over which one rate is taken, ns: a message that is 10 ms late shifts it by 1 %."""
+"""Duration of one measurement of the rate, ns; a message that is 10 ms late shifts it by 1 %."""
 
 SPANS = 15
-"""Spans whose median counts: a pause or a stall spoils one of them, not the median."""
+"""Measurements in the median: a pause or a stall spoils one of them, not the median."""
 
 FEWEST = 3
-"""Spans from which a large deviation counts."""
+"""Least number of measurements for a rate."""
 
 WARNED, REFUSED = 0.02, 0.1
-"""Deviation that is worth a warning, as the search of the fault frequencies allows about as much;
-and that at which each fault frequency lies where another one, or none, is expected."""
+"""Relative deviations from the declared rate. Above the first there is a warning: the search for
+the fault frequencies tolerates about as much. Above the second samples are refused: each fault
+frequency then lies at the place of another one, or of none."""
 
 
 class RateProblem(NamedTuple):
-    """A sample rate that is not the one declared."""
+    """A deviation of the measured from the declared sample rate."""
 
     refused: bool
-    """Whether samples with so wrong a rate cannot be diagnosed."""
+    """Whether the deviation is too large for a diagnosis."""
     text: str
 
 
 class RateMeter:
     """
-    Measure how many samples come in a second of their own stamps.
+    Measure the sample rate from sample indices and stamps.
 
-    Stamps, not times of arrival: a recording that is replayed faster has the rate it was
-    recorded with. Undated samples, whose stamps stand still, have no measured rate.
+    Stamps are used, not times of arrival, so a recording that is replayed faster has the rate of
+    the original. Samples without a time, whose stamps do not change, have no measured rate.
 
     Examples
     --------
@@ -60,14 +61,14 @@ class RateMeter:
 
     def take(self, index: int, stamp: int) -> None:
         """
-        Take note of a sample.
+        Take the index and time of a sample.
 
         Parameters
         ----------
         index
-            Its running index. One that goes back, or a stamp that does, begins a new measurement.
+            Running index. When index or stamp goes back, a new measurement begins.
         stamp
-            Its time, ns.
+            Time of the sample, ns.
 
         """
         if self._anchor is None or index < self._anchor[0] or stamp < self._anchor[1]:
@@ -83,9 +84,9 @@ class RateMeter:
 
     def problem(self, declared: float) -> RateProblem | None:
         """
-        Compare the measured rate with the declared one.
+        Compare the measured rate with the declared one; None if they agree.
 
-        ``declared`` is that of a parameter or message, Hz; above 0.
+        ``declared`` is the rate in a parameter or message, Hz; above 0.
         """
         measured = self.rate
         off = measured / declared - 1.0
@@ -97,7 +98,7 @@ class RateMeter:
 
 def off_rate(measured: float, declared: float) -> str:
     """
-    Say how far a measured rate is from the declared one, Hz.
+    Return the text on a measured rate that differs from the declared one, both in Hz.
 
     >>> off_rate(12000.0, 25600.0)
     '12000 samples a second arrive, sample_rate says 25600 (-53.1 %): set sample_rate to 12000'

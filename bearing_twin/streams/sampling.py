@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Samples as they come to blocks with a running index: gaps, rates, channels. Knows no ROS."""
+"""Incoming samples to blocks with a running index: gaps, rates, channels. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ if TYPE_CHECKING:
 
 
 ESTIMATE_FROM = 256
-"""Stamps from which an unknown sample rate is estimated."""
+"""Number of stamps for the estimate of an unknown sample rate."""
 
 LONGEST_ESTIMATE = 4 * ESTIMATE_FROM
-"""Time from the first to the last of these stamps, in median steps, above which a pause or a
-stepped clock lies among them: the memory that the estimate takes grows with it."""
+"""Longest time from the first to the last of these stamps, in median steps. A longer time contains
+a pause or a clock step, and the memory of the estimate grows with it."""
 
 USUAL = 64
-"""Last steps of the stamps whose median is the usual one: losses below a half do not move it."""
+"""Number of stamp steps in the median; it does not move while less than half of them are gaps."""
 
 LONGEST_GAP = 3600 * NANO
-"""Step of the stamps above which the clock was set and no samples are missing, ns."""
+"""Stamp step, ns, above which the clock was set and no samples are missing."""
 
 MOST_MESSAGES = 1_000_000
 """Step of a message number above which the publisher was restarted."""
 
 FOLLOW = 0.02
-"""Part of a stamp's deviation by which the expected time of the next one is corrected."""
+"""Fraction of a stamp's deviation that corrects the expected time of the next stamp."""
 
 LEAST_TOLERATED, MOST_TOLERATED = 0.5, 1.5
-"""Deviation of a stamp that is still jitter and no gap, sample periods: from regular stamps to
-irregular ones, where four times their mean deviation is added."""
+"""Limits of the deviation of a stamp that counts as jitter, sample periods. The first holds for
+regular stamps. For irregular ones four times their mean deviation is added, up to the second."""
 
 
 def split_channels(
@@ -46,13 +46,13 @@ def split_channels(
     """
     Return the samples of each channel, shape (channels, n).
 
-    Where they are ``interleaved`` a sample of every channel comes first, else a channel after the
-    other.
+    ``interleaved`` values begin with one sample of every channel; otherwise all samples of the
+    first channel come first.
 
     Raises
     ------
     BearingTwinError
-        If the values do not divide into the channels.
+        If the number of values is not a multiple of the channels.
 
     """
     flat = np.asarray(values, dtype=np.float32).ravel()
@@ -64,15 +64,15 @@ def split_channels(
 
 class StampTracker:
     """
-    See missing samples in the stamps of samples that come one by one.
+    Detect missing samples from the stamps of samples that arrive one by one.
 
-    Each sample is expected one period after the one before. The expectation follows the stamps
-    slowly, so that a rate that is wrong by one percent makes no gaps. Where stamps are regular a
-    single missing sample is seen; where they jitter, up to one and a half period passes as jitter,
-    once they have shown it: stamps that jitter by over 0.2 periods (RMS) may begin with a gap that
-    is none.
+    Each sample is expected one period after the one before. The expected time follows the stamps
+    slowly, so a rate that is wrong by one percent causes no gaps. With regular stamps a single
+    missing sample is detected. With jitter, deviations up to 1.5 periods are tolerated once the
+    jitter has been measured: stamps that jitter by over 0.2 periods (RMS) may cause a false gap at
+    the beginning.
 
-    ``rate`` is in Hz; 0 to estimate it from the first stamps.
+    ``rate`` is in Hz; with 0 it is estimated from the first stamps.
     """
 
     def __init__(self, rate: float) -> None:
@@ -80,24 +80,24 @@ class StampTracker:
         self.restart()
 
     def restart(self) -> None:
-        """Forget the stamps seen; an estimated rate is estimated anew."""
+        """Forget all stamps; an estimated rate is estimated again."""
         self.rate = self._given
         """Sample rate, Hz; 0 while it is not known."""
         self._first: list[int] = []
         self._expected: float | None = None
-        self._jitter = 0.12  # until the stamps have shown theirs; a single loss is seen then too
+        self._jitter = 0.12  # start value, low enough to detect a single loss
         self._last: int | None = None
         self._steps: deque[int] = deque(maxlen=USUAL)
 
     @property
     def usual_rate(self) -> float:
-        """Rate of the median step of the last stamps, Hz; NaN while there is none."""
+        """Inverse of the median step of the last stamps, Hz; NaN before the first step."""
         usual = float(np.median(self._steps)) if self._steps else math.nan
         return NANO / usual if usual > 0.0 else math.nan
 
     def missing(self, stamp: int) -> int:
         """
-        Return the samples missing before this one.
+        Return the number of samples missing before this one.
 
         Parameters
         ----------
@@ -107,9 +107,9 @@ class StampTracker:
         Returns
         -------
         int
-            0 where it follows the last one; negative where its stamp lies so far back, or more
-            than an hour ahead, that the clock was set or the source restarted. While
-            :attr:`rate` is 0 the answer is 0.
+            0 if the sample follows the last one. Negative if its stamp is too early, beyond the
+            jitter, or more than an hour late: the clock was set or the source restarted. Always 0
+            while :attr:`rate` is 0.
 
         """
         if not self.rate:
@@ -144,7 +144,7 @@ class StampTracker:
         if seconds[-1] > LONGEST_ESTIMATE * usual:
             del self._first[: int(steps.argmax()) + 1]
             return
-        # The rate at which the stamps beat together: neither missing samples nor jitter shift it.
+        # The rate at which the stamps are most in phase: lost samples and jitter do not shift it.
         about = 1.0 / usual
         rates = np.arange(0.9 * about, 1.1 * about, 0.05 / seconds[-1])
         beat = np.abs(np.exp(2j * math.pi * np.outer(rates, seconds)).sum(axis=1))
@@ -153,7 +153,7 @@ class StampTracker:
 
 
 class SequenceTracker:
-    """See missing messages in the numbers that the middleware gives them."""
+    """Detect missing messages from the sequence numbers of the middleware."""
 
     def __init__(self) -> None:
         self._source: object = None
@@ -161,14 +161,16 @@ class SequenceTracker:
 
     def missing(self, source: object, number: int | None) -> int:
         """
-        Return the messages missing before this one; negative after a new or restarted source.
+        Return the number of messages missing before this one.
+
+        It is negative for a new or restarted source.
 
         Parameters
         ----------
         source
-            The publisher.
+            Identity of the publisher.
         number
-            The publisher's running number; None where the middleware gives none (0 is returned).
+            Sequence number of the publisher; None if the middleware gives none (0 is returned).
 
         """
         changed = self._source is not None and source != self._source
@@ -181,7 +183,7 @@ class SequenceTracker:
 
 
 class SampledBlock(NamedTuple):
-    """One block to be published."""
+    """A block to publish."""
 
     first_sample: int
     stamp: int
@@ -194,8 +196,7 @@ class BlockBuilder:
     """
     Collect samples into blocks of equal length with a running index.
 
-    Before a gap the samples collected so far are given out as a shorter block, so that a block
-    never holds a gap.
+    At a gap the samples collected so far become a shorter block, so a block never contains a gap.
     """
 
     def __init__(self, size: int) -> None:
@@ -207,9 +208,9 @@ class BlockBuilder:
 
     def gap(self, missing: int) -> list[SampledBlock]:
         """
-        Give out what is collected; the index then skips ``missing`` samples.
+        Return the collected samples as a block, and skip ``missing`` samples in the index.
 
-        A negative number starts the index again at 0: the source has restarted.
+        With a negative number, after a restart of the source, the index begins again at 0.
         """
         blocks = [self._take(self._count)] if self._count else []
         self.next_sample = self.next_sample + missing if missing >= 0 else 0
@@ -217,9 +218,9 @@ class BlockBuilder:
 
     def push(self, samples: NDArray[np.float32], *, stamp: int, rate: float) -> list[SampledBlock]:
         """
-        Add samples and return the blocks that are full.
+        Add samples, shape (channels, n), and return the full blocks.
 
-        ``stamp``, ns, is that of the first sample; their shape is (channels, n).
+        ``stamp`` is the time of the first sample, ns; ``rate`` is in Hz.
         """
         blocks = []
         done = 0

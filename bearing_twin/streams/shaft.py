@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Shaft speed from joint_states or from a parameter. Knows no ROS."""
+"""Shaft speed from joint_states or from a parameter. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ if TYPE_CHECKING:
 
 
 FASTEST_SHAFT = 1000.0
-"""Fastest shaft that is believed, Hz."""
+"""Highest shaft speed that is accepted, Hz."""
 
 
 class ShaftSpeed:
     """
-    Hold the shaft speed in use and say where it comes from.
+    Hold the shaft speed in use and report problems of its input.
 
-    A joint without velocity, or with one that is NaN, infinite or faster than ``highest``, leaves
-    the last valid speed in use; :meth:`problem` then says so. A message that does not name the
-    joint says nothing of it: several publishers may share joint_states, each with its part. The
-    direction of rotation does not matter to a bearing: the magnitude is used.
+    If the velocity of the joint is missing, NaN, infinite or above ``highest``, the last valid
+    speed stays in use and :meth:`problem` reports it. Messages without the joint are ignored,
+    since several publishers may share joint_states. The magnitude of the velocity is used: the
+    direction of rotation does not matter to a bearing.
 
-    A speed that is older than ``timeout`` is no measured one any more: a fault would be looked for
-    at the frequencies of another speed, as narrowly as if it were measured.
+    A speed older than ``timeout`` no longer counts as measured: the diagnosis would search at
+    the fault frequencies of a past speed, in the narrow band of a measured one.
 
     Parameters
     ----------
     nominal
-        Speed where no joint tells it, Hz; NaN: unknown.
+        Speed when there is no measured one, Hz; NaN: unknown.
     joint
         Name of the joint in joint_states; '' for none.
     highest
-        Fastest speed that is believed, Hz.
+        Highest speed that is accepted, Hz.
     timeout
         Age above which a measured speed is stale, s.
     hold
-        Whether a stale speed stays in use, as that of a twin, whose shaft goes on to turn;
-        otherwise the nominal one is used.
+        Whether a stale speed stays in use, as for a twin, whose shaft keeps turning; otherwise
+        the nominal speed is used.
 
     """
 
@@ -61,7 +61,7 @@ class ShaftSpeed:
         self._problem = ''
 
     def offer(self, names: Sequence[str], velocities: Sequence[float], *, now: float) -> None:
-        """Take one JointState: names, and velocities in rad/s; ``now`` in s."""
+        """Take one JointState: joint names, velocities in rad/s; ``now`` in s."""
         if not self.joint or self.joint not in names:
             return
         index = list(names).index(self.joint)
@@ -78,12 +78,12 @@ class ShaftSpeed:
         self._problem = ''
 
     def at(self, now: float, length: float = 0.0) -> float:
-        """Return the speed during the last ``length`` s before ``now`` (s), Hz."""
+        """Return the shaft speed, Hz, for the ``length`` seconds before ``now`` (s)."""
         limit = math.inf if self.hold else self.timeout + length
         return self._measured if self._age(now) < limit else self.nominal
 
     def problem(self, now: float) -> str:
-        """Return what is wrong with the input at ``now`` (s); '' if nothing."""
+        """Return the problem of the input at ``now`` (s) as text; '' if there is none."""
         if not self.joint or self._problem:
             return self._problem
         age = self._age(now)
@@ -95,6 +95,6 @@ class ShaftSpeed:
         return ''
 
     def _age(self, now: float) -> float:
-        # A receiver's clock that was set back must not make an age negative.
+        # The age must not become negative when the receiver's clock is set back.
         self._arrived = min(self._arrived, now)
         return now - self._arrived

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Saved states of the nodes: plain files in one folder, never outside it, never overwritten."""
+"""State files of the nodes: plain files in one folder, saved on request or kept over restarts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _VERSION = 3001
 
 LARGEST = 64 * 1024 * 1024
 _LONGEST_NAME = 200
-"""Bytes: a file name has 255, and lock, part and unreadable file add to it."""
+"""Bytes. A file name may have 255; those of lock, part and unreadable file are longer."""
 
 T = TypeVar('T')
 
@@ -41,7 +41,7 @@ class StateFolder:
     Parameters
     ----------
     folder
-        Where they lie; '' for ``bearing_twin`` in ROS_HOME (``~/.ros`` where that is not set).
+        Folder of the states; '' for ``bearing_twin`` in ROS_HOME (``~/.ros`` if that is not set).
 
     """
 
@@ -51,12 +51,12 @@ class StateFolder:
     @property
     def folder(self) -> Path:
         """
-        Return where the states lie.
+        Return the folder of the states.
 
         Raises
         ------
         BearingTwinError
-            If that is in a home, and there is none, as in some containers.
+            If it is in the home folder and there is none, as in some containers.
 
         """
         if self._folder:
@@ -70,12 +70,12 @@ class StateFolder:
 
     def path(self, name: str) -> Path:
         """
-        Return where ``name`` lies.
+        Return the path of the state ``name``.
 
         Raises
         ------
         BearingTwinError
-            If ``name`` is not a plain file name: services must not reach outside the folder. If it
+            If ``name`` is not a plain file name (services must not reach outside the folder), or
             is longer than 200 bytes.
 
         """
@@ -89,12 +89,12 @@ class StateFolder:
 
     def save(self, name: str, state: bytes) -> Path:
         """
-        Write a new state.
+        Write a new state; existing files are never overwritten.
 
         Raises
         ------
         BearingTwinError
-            If the name is not plain, the file exists or cannot be written.
+            If the name is not plain, or the file exists or cannot be written.
 
         """
         path = self.path(name)
@@ -116,8 +116,8 @@ class StateFolder:
         Raises
         ------
         BearingTwinError
-            If the name is not plain, or the file cannot be read, is a link or no plain file, or is
-            too large to be a state.
+            If the name is not plain, or the file cannot be read, is a link or not a plain file, or
+            is too large for a state.
 
         """
         path = self.path(name)
@@ -128,12 +128,12 @@ class StateFolder:
 
 
 class NodeStates:
-    """All states of one node: what waits for the disk is done by one thread, in turn."""
+    """All states that one node keeps over restarts; one thread does the disk accesses in order."""
 
     def __init__(self, log: Callable[[str], object]) -> None:
         self._log = log
         self.disk = DiskSync()
-        """Its thread."""
+        """The thread that accesses the disk."""
         self._kept: list[KeptState] = []
 
     def kept(self, values: Mapping[str, Any], node: str) -> KeptState:
@@ -145,7 +145,7 @@ class NodeStates:
         values
             Parameters: ``state_directory``, ``state_name`` and ``state_owner``.
         node
-            Full name of the node, or of its part, which has learnt it.
+            Full name of the node, or of the part of it, that learns the state.
 
         """
         folder, owner = StateFolder(values['state_directory']), values['state_owner']
@@ -155,7 +155,7 @@ class NodeStates:
         return state
 
     def release(self) -> None:
-        """Let other nodes keep them, when the disk has taken the newest."""
+        """Release the files for other nodes once the newest states are written."""
         for state in self._kept:
             self.disk.do(state.let_go)
         if self.disk.busy and not self.disk.settle():
@@ -166,28 +166,28 @@ class NodeStates:
 
 class KeptState:
     """
-    What one node has learnt, kept in a file over restarts.
+    The learnt state of one node, kept in a file over restarts.
 
-    The file is claimed before it is read, and holds the name of its node: what a node has learnt
-    is not given to another one that runs, or ran, under the same name of the state. Only content
-    that cannot be used is set aside. All else, such as a disk that does not answer, is tried
-    again, and nothing is written meanwhile.
+    The file is locked before it is read and contains the name of its node: a node never gets the
+    state that another node learnt under the same state name. A file whose content cannot be used
+    is renamed. Other failures, such as a disk that does not respond, are retried; nothing is
+    written meanwhile.
 
-    A thread does what waits for the disk, in the order in which it is asked for: letting go of the
-    file comes after the last write, however long that takes.
+    A thread does the disk accesses in the order of the requests, so the lock is released after the
+    last write, however long that takes.
 
     Parameters
     ----------
     folder
-        Where it lies.
+        Folder of the file.
     name
         Name of the state; '' for none.
     nodes
-        Full name of the node, and the one under which it was learnt where that was another one.
+        Full name of the node, and its former name if the state was learnt under another one.
     disk
-        Does what waits for the disk.
+        Thread that accesses the disk.
     log
-        Told, once, why the state is not kept.
+        Called once with each reason why the state is not kept.
 
     """
 
@@ -203,31 +203,31 @@ class KeptState:
         self._disk, self._log = disk, log
         self._asked: Job[bytes | None] | None = None
         self._lock: BinaryIO | None = None
-        # What the file held: until one is true, it is not written.
+        # Whether the state in the file was loaded or given up. Nothing is written before.
         self._taken_up = self._given_up = False
         self._newest: bytes | None = None
         self._problem = ''
 
     @property
     def path(self) -> Path:
-        """Where it lies."""
+        """Path of the file."""
         return self._folder.path(self._name)
 
     @property
     def claimed(self) -> bool:
-        """Whether no other node can keep it."""
+        """Whether this node holds the lock of the file."""
         return self._lock is not None
 
     @property
     def problem(self) -> str:
-        """Why it is not kept; '' if it is."""
+        """Reason why the state is not kept; '' if it is kept."""
         return self._problem or (SILENT if self._name and not self._disk.patience else '')
 
     def load(self, take: Callable[[bytes], None], *, wait: bool = False) -> bool:
         """
-        Hand what was kept to ``take``, unless that has been done; return whether it was.
+        Pass the kept state to ``take`` once; return whether this call did.
 
-        What the disk has not given yet is handed over by a later call, or this one may ``wait``.
+        If the file is not read yet, a later call passes it; with ``wait`` this call waits for it.
         """
         if self._taken_up or not self._name:
             return False
@@ -251,14 +251,14 @@ class KeptState:
 
     def keep(self, state: Callable[[], bytes], other: str = '') -> None:
         """
-        Have what ``state`` returns written; where it comes faster than the disk, the newest is.
+        Write the state to the file; if the disk is slower than the calls, only the newest.
 
         Parameters
         ----------
         state
-            Returns it.
+            Returns the state.
         other
-            Why it is none to be kept; '' if it is one.
+            Reason not to keep this state; '' if there is none.
 
         """
         if not self._name or not (self._taken_up or self._given_up):
@@ -271,23 +271,23 @@ class KeptState:
         self._do(self._write)
 
     async def answer(self, said: str) -> str:
-        """Return ``said``, with why it is not kept, when the disk has what it was given."""
+        """Wait for the disk, then return ``said`` with the reason if the state is not kept."""
         if self._name:
             with suppress(BearingTwinError):
                 await self._disk.do(int)
         return f'{said}; not kept: {self.problem}' if self.problem else said
 
     def give_up(self) -> None:
-        """Take up no more what the file holds, where that was not possible yet."""
+        """Do not load the state in the file any more, if it has not been loaded yet."""
         self._given_up = True
 
     def set_aside(self, why: str) -> None:
-        """Let what the file holds stay under another name, where it is this node's."""
+        """Rename the file of this node, so that its content is preserved and not used."""
         if self._taken_up:
             self._do(partial(self._set_aside, why))
 
     def _do(self, work: Callable[[], T | None]) -> Job[T | None]:
-        """Have the thread do something, and say what goes wrong."""
+        """Let the thread do ``work`` and log its errors."""
 
         def told() -> T | None:
             try:
@@ -301,7 +301,7 @@ class KeptState:
         return self._disk.do(told)
 
     def _claim(self) -> bytes | None:
-        """Return what the file holds for ``take``; None where there is nothing."""
+        """Lock the file and return its state; None if there is none."""
         found = None
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -309,7 +309,7 @@ class KeptState:
             with suppress(FileNotFoundError):
                 found = self._learnt()
         except (BearingTwinError, OSError):
-            # It may be that of a node which starts next.
+            # The file may belong to a node that starts next.
             self.let_go()
             raise
         self._taken_up = found is None
@@ -366,7 +366,7 @@ class KeptState:
         self._log(f'{why}; it is kept as {aside}; it is learnt anew')
 
     def let_go(self) -> None:
-        """Let another node keep it; the thread's to do, after the last write."""
+        """Release the lock; called in the thread after the last write."""
         if self._lock is not None:
             self._lock.close()
             self._lock = None

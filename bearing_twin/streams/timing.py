@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Periodicity and execution time of a cycle, as controller_manager reports them. No ROS."""
+"""Periodicity and execution time of a cycle, as in controller_manager. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ KEPT = 1500
 
 
 class Spread(NamedTuple):
-    """Statistics of one quantity; NaN before it has been seen."""
+    """Statistics of one quantity; NaN before the first value."""
 
     mean: float
     low: float
@@ -22,11 +22,11 @@ class Spread(NamedTuple):
     std: float
 
     def scaled(self, factor: float) -> Spread:
-        """Return it in another unit."""
+        """Return the statistics in another unit."""
         return Spread(*(factor * value for value in self))
 
     def named(self, name: str, unit: str) -> dict[str, float]:
-        """Return it in the way of ros2_control: average, least, most, standard deviation."""
+        """Return mean, minimum, maximum and standard deviation, named as in ros2_control."""
         return {
             f'{name}_{unit}': self.mean,
             f'{name}_min_{unit}': self.low,
@@ -36,7 +36,7 @@ class Spread(NamedTuple):
 
 
 class CycleStatistics:
-    """Collect when cycles began and how long they took, over the last 1500 of them."""
+    """Collect start times and durations of the last 1500 cycles."""
 
     def __init__(self) -> None:
         self._began = math.nan
@@ -45,9 +45,9 @@ class CycleStatistics:
 
     def add(self, began: float, duration: float) -> None:
         """
-        Take note of one cycle.
+        Add one cycle.
 
-        It began at ``began`` on the clock that paces the cycles; both are in s.
+        ``began`` is its start on the clock that paces the cycles; both arguments are in s.
         """
         if began > self._began:
             self._intervals.append(began - self._began)
@@ -55,7 +55,7 @@ class CycleStatistics:
         self._durations.append(duration)
 
     def pause(self) -> None:
-        """Count no interval from the last cycle to the next one."""
+        """Do not count the interval from the last cycle to the next one."""
         self._began = math.nan
 
     @property
@@ -63,8 +63,9 @@ class CycleStatistics:
         """
         Rate of the cycles, Hz.
 
-        From the intervals, not from their inverses: a cycle that follows a late one at once would
-        count as a rate of thousands of Hz. The standard deviation is to first order.
+        It is computed from the statistics of the intervals, not of their inverses: a cycle that
+        follows a late one at once would count as a rate of thousands of Hz. The standard deviation
+        is a first-order approximation.
         """
         interval = _spread(np.array(self._intervals))
         return Spread(

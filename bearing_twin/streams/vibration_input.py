@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Validates what comes in: vibration, and temperature and shaft speed."""
+"""Validation of incoming vibration, temperature and shaft speed."""
 
 from __future__ import annotations
 
@@ -33,37 +33,38 @@ SOURCE_UNKNOWN, SOURCE_MEASURED, SOURCE_SIMULATED = range(3)
 
 @dataclass(frozen=True)
 class VibrationBlock:
-    """One checked block of one axis."""
+    """Validated samples of one axis from one message."""
 
     first_sample: int
     samples: NDArray[np.float32]
     sample_rate: float
     """Hz."""
     shaft_hz: float
-    """Hz; NaN where the source does not know it."""
+    """Shaft speed, Hz; NaN if the source does not know it."""
     unit: str
     simulated: bool
-    """Whether the source says that it is a twin."""
+    """Whether the message says that its source is a twin."""
     stamp: int = 0
     """Time of the first sample, ns."""
     frame_id: str = ''
-    """Of the sensor."""
+    """Frame of the sensor."""
 
     @property
     def length(self) -> float:
-        """Time that its samples take, s."""
+        """Duration of the samples, s."""
         return self.samples.size / self.sample_rate
 
 
 def read_vibration(message: Any, axis: str) -> VibrationBlock:
     """
-    Check a ``bearing_twin_msgs/Vibration``; take axis 'x' or 'y', or the other where it is empty.
+    Validate a ``bearing_twin_msgs/Vibration`` and return the samples of an axis, 'x' or 'y'.
+
+    If that axis is empty, the other one is taken.
 
     Raises
     ------
     BearingTwinError
-        If the block cannot be used. Samples that are NaN are let through: the gate of the
-        diagnosis answers for them.
+        If the block cannot be used. NaN samples pass: the diagnosis checks for them.
 
     """
     rate = float(message.sample_rate)
@@ -97,17 +98,17 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
 
 
 class GapCounter:
-    """Count the samples that never arrived, from the running index of those that did."""
+    """Count lost samples and restarts of the source from the running index."""
 
     def __init__(self) -> None:
         self.lost = 0
         """Samples missing between the first and the last block."""
         self.restarts = 0
-        """Times the index went back: the source was restarted."""
+        """Number of restarts of the source, seen as an index that goes back."""
         self._next: int | None = None
 
     def count(self, first_sample: int, samples: int) -> bool:
-        """Take note of one block; return whether the source has been restarted."""
+        """Count one block; return whether the source has been restarted."""
         restarted = self._next is not None and first_sample < self._next
         if self._next is not None:
             self.lost += max(0, first_sample - self._next)
@@ -118,17 +119,17 @@ class GapCounter:
 
 class SourceLock:
     """
-    Listen to one publisher where several send on one topic.
+    Accept one publisher of a topic and ignore the others.
 
-    Two interleaved streams are no signal. The first source is kept; another one takes over when
-    it has been silent for ``timeout`` seconds.
+    Two interleaved streams are not a valid signal. The first source is kept; another one takes
+    over after the first has been silent for ``timeout`` seconds.
 
     Parameters
     ----------
     timeout
         Silence after which another source takes over, s.
     remember
-        Time for which a source that was ignored counts as still there, s.
+        Time for which an ignored source counts as present after its last block, s.
 
     """
 
@@ -144,7 +145,7 @@ class SourceLock:
     def accept(self, source: object, now: float) -> bool:
         """Whether a block of ``source`` that arrived at ``now`` (s) is to be used."""
         if now < self._heard:
-            # Simulated time has gone back: in its new run nobody has been heard yet.
+            # Simulated time has gone back: in the new run no source has been heard yet.
             self._heard = self._ignored_at = -math.inf
         if source != self._source:
             if now - self._heard <= self.timeout:
@@ -158,13 +159,13 @@ class SourceLock:
         return True
 
     def contested(self, now: float) -> bool:
-        """Whether another source has been heard lately, seen at ``now`` (s)."""
+        """Whether at ``now`` (s) another source has been heard recently."""
         return 0.0 <= now - self._ignored_at < self.remember
 
 
 class Inputs:
     """
-    Checked temperature, of the first of several sensors, and shaft speed.
+    Validated temperature and shaft speed of a node.
 
     Parameters
     ----------
@@ -175,7 +176,7 @@ class Inputs:
     nominal, joint, highest, hold
         As for :class:`~bearing_twin.streams.shaft.ShaftSpeed`.
     first
-        Called once with the first valid temperature, degC, as the model takes it.
+        Called once with the first valid temperature, clamped to the tables, degC.
 
     """
 
@@ -194,14 +195,14 @@ class Inputs:
         self.clock = clock
         self._first = first
         self.settled = False
-        """Whether there is a history: of a first reading, or of a state that was loaded."""
+        """Whether the model has a temperature: from a first reading or a loaded state."""
         self.gate = TemperatureGate(start=start, timeout=timeout)
-        # Another source is heard when the last temperature of the first is stale.
+        # Another source is accepted when the temperature of the first one is stale.
         self._sources = SourceLock(timeout, timeout)
         self.shaft = ShaftSpeed(nominal=nominal, joint=joint, highest=highest, hold=hold)
 
     def take_temperature(self, message: Any, info: Mapping[str, Any] | None = None) -> None:
-        """Take a ``sensor_msgs/Temperature``; of several publishers the first one's only."""
+        """Take a ``sensor_msgs/Temperature``; only the first of several publishers counts."""
         now = self.clock()
         if self._sources.accept((info or {}).get('publisher_gid'), now):
             self.gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
@@ -216,7 +217,7 @@ class Inputs:
 
     @property
     def temperature(self) -> GatedTemperature:
-        """The temperature to use now."""
+        """Temperature to use now."""
         return self.gate.at(self.clock())
 
     def shaft_hz(self, length: float = 0.0) -> float:
@@ -224,28 +225,28 @@ class Inputs:
         return self.shaft.at(self.clock(), length)
 
     def problems(self) -> tuple[str, str]:
-        """Return what is wrong with the shaft speed and with the sources; '' if nothing."""
+        """Return the problems of shaft speed and temperature sources as texts; '' for none."""
         now = self.clock()
         several = 'several sources of temperature: only the first is used'
         return self.shaft.problem(now), several if self._sources.contested(now) else ''
 
     def set_timeout(self, timeout: float) -> None:
-        """Take another age above which a temperature is stale, s."""
+        """Set the age above which a temperature is stale, s."""
         self.gate.timeout = self._sources.timeout = self._sources.remember = timeout
 
 
 @dataclass
 class Intake:
-    """What became of the blocks of one topic; times in s."""
+    """Counts and times of the blocks of one topic; times in s."""
 
     blocks: int = 0
-    """Used."""
+    """Blocks used."""
     refused: int = 0
     problem: str = ''
-    """Why the last one was refused; '' if it was used."""
+    """Reason why the last block was refused; '' if it was used."""
     arrived: float = math.nan
-    """When the last one came, used or refused."""
+    """Arrival of the last block, used or refused."""
     used: float = math.nan
-    """When the last one was used."""
+    """Arrival of the last block that was used."""
     sources: SourceLock = field(default_factory=SourceLock)
     gaps: GapCounter = field(default_factory=GapCounter)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A process beside the own one that does one task after the other, and can be left at any time."""
+"""Worker process that does tasks in order and can be ended at any time."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ Answer = TypeVar('Answer')
 
 class Worker(Generic[Task, Answer]):
     """
-    Do one task after the other in a process of low priority.
+    Do tasks in order in a process of low priority.
 
-    The process is made for the first task, and anew for the next one if it was killed; it ends
-    with its owner, whatever ends that. The pool of the standard library would keep its owner for
-    ever if it is left before its process has read a large task (python/cpython#94777; Debian 12
-    and Ubuntu 22.04 have such a Python).
+    The process starts with the first task, and again with the next task if it was killed. It ends
+    with its owner, even if that is killed. The pool of the standard library can block its owner
+    forever if it ends before its process has read a large task (python/cpython#94777; the Python
+    of Debian 12 and Ubuntu 22.04 has this bug).
 
     Parameters
     ----------
     work
-        Function of a module that does a task; it, its tasks and answers can be pickled.
+        Module-level function that does a task. The function, tasks and results must be picklable.
     niceness
-        How much the process stands back behind others, 0 to 19.
+        Nice value of the process, 0 to 19; higher values yield to other processes.
 
     Examples
     --------
@@ -55,17 +55,18 @@ class Worker(Generic[Task, Answer]):
 
     def submit(self, task: Task) -> Future[Answer]:
         """
-        Have a task done when those before it are.
+        Queue a task behind those submitted before.
 
         Returns
         -------
         concurrent.futures.Future
-            Of the answer, or of what the work raised; ChildProcessError if the process was killed.
+            The result, or the exception that ``work`` raised; ChildProcessError if the process was
+            killed.
 
         Raises
         ------
         OSError
-            If there is no room for a process.
+            If the process cannot be started.
 
         """
         if self._process is None or not self._process.is_alive():
@@ -78,13 +79,13 @@ class Worker(Generic[Task, Answer]):
                 )
                 self._process.start()
         future: Future[Answer] = Future()
-        # What it waits for ends with the process, which closes the other end.
+        # The thread cannot wait forever: a process that ends closes its end of the pipe.
         arguments = (self._pipe, self._turn, task, future)
         threading.Thread(target=_hand_over, args=arguments, daemon=True).start()
         return future
 
     def end(self) -> None:
-        """End the process, and the task that it does."""
+        """End the process and its present task."""
         if self._process is not None:
             self._process.terminate()
             self._process = None
@@ -96,12 +97,12 @@ def _hand_over(pipe: Connection, turn: threading.Lock, task: Any, future: Future
             pipe.send(task)
             answer, error, told = pipe.recv()
         if told:
-            # Where an error was raised is lost on the way.
+            # Pickling loses the traceback; attach it as text.
             error.__cause__ = RuntimeError(told)
     except (EOFError, OSError):
         answer, error = None, ChildProcessError('the process of the work was killed')
     except Exception as unsent:
-        # What cannot be pickled raises one of many kinds.
+        # An object that cannot be pickled may raise any type of exception.
         answer, error = None, unsent
     if error is None:
         future.set_result(answer)
@@ -111,10 +112,10 @@ def _hand_over(pipe: Connection, turn: threading.Lock, task: Any, future: Future
 
 def _serve(pipe: Connection, owner: int, work: Callable[[Any], Any], niceness: int) -> None:
     os.nice(niceness)
-    # Ctrl-C is the owner's to hear.
+    # The owner handles Ctrl-C.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(owner,), daemon=True).start()
-    # The owner has gone where nothing more can be received or sent.
+    # The pipe is closed when the owner has ended.
     with contextlib.suppress(EOFError, BrokenPipeError):
         while True:
             _answer(pipe, work, pipe.recv())
@@ -131,13 +132,13 @@ def _answer(pipe: Connection, work: Callable[[Any], Any], task: Any) -> None:
     except BrokenPipeError:
         raise
     except Exception as error:
-        # What cannot be pickled has not been sent in part.
+        # When pickling fails, nothing has been sent yet.
         unsent = TypeError(f'{done[1] or done[0]!r:.200} cannot be sent: {error}')
         pipe.send((None, unsent, done[2]))
 
 
 def _end_with(owner: int) -> None:
-    """End this process in the middle of a task where its owner has been killed."""
+    """End this process, even in the middle of a task, after its owner was killed."""
     while os.getppid() == owner:
         time.sleep(1.0)
     os._exit(1)
