@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The twin fitted to its machine: path of the sensor, width of a defect, and what is not told.
+Fit the twin to its machine: sensor path, width of a defect, and why a width is not told.
 
-In all functions of this room ``x`` is a record of one axis, shape (n,), at ``sample_rate``, Hz,
-and ``situation`` what is known of its machine. ``whole`` is its correlation over all lags,
-``measured`` the summary over those of simulated defects, and ``longest`` the greatest time between
-the impacts of one passage that is looked for, s. ``unit`` is that of a record, '' if unknown,
-``refusal`` why a width is not told, and ``seed`` that of all draws.
+In all functions of this package ``x`` is a record of one axis, shape (n,), at ``sample_rate``, Hz,
+and ``situation`` describes its machine. ``whole`` is the autocorrelation of its envelope over all
+lags, and ``measured`` summarises the lags of simulated defects. ``longest`` is the longest time
+between the impacts of one passage that is searched, s. ``unit`` is the unit of a record, '' if
+unknown, ``refusal`` the reason why a width is not told, and ``seed`` the seed of all draws.
 """
 
 from bearing_twin.calibration.answer.result import Calibration, Estimate

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The twin fitted to a record of its machine."""
+"""Fit the twin to a vibration record of its machine."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ FloatArray = npt.NDArray[np.float64]
 
 LEAST_PASSAGES = 30.0
 NOISE = 0.1
-"""White noise that is supposed in the acceleration of a healthy twin, m/s^2."""
+"""RMS of the white noise assumed in the acceleration of a healthy twin, m/s^2."""
 
 
 def fit(
@@ -100,20 +100,20 @@ def fit(
     load
         Range of the radial load, N; None: 0.003 to 0.1 of the dynamic rating.
     temperature
-        Of the outer ring, degC; NaN: 30.
+        Temperature of the outer ring, degC; NaN: 30.
     unit
-        Of the samples, ``'m/s^2'`` or ``'g'``; '' if unknown.
+        Unit of the samples, ``'m/s^2'`` or ``'g'``; '' if unknown.
     place
-        Part with the defect, ``'none'`` for a healthy bearing; None: what the diagnosis says.
+        Part with the defect, ``'none'`` for a healthy bearing; None: as the diagnosis finds.
     candidates
         Machines simulated in each of two rounds; fewer at a slow shaft.
     seed
-        Of all draws; the same seed gives the same calibration.
+        Seed of all draws; the same seed gives the same calibration.
 
     Raises
     ------
     BearingTwinError
-        If the record is too short, not finite, constant or of too low a rate, or an argument is
+        If the record is too short, not finite or constant, its rate is too low, or an argument is
         out of its range.
 
     Examples
@@ -128,7 +128,7 @@ def fit(
 
     """
     x, situation = _checked(samples, sample_rate, bearing, shaft_hz, load, temperature)
-    # The first fit of an installation compiles the kernels: that is no cost of a fit.
+    # The first fit of an installation compiles the kernels, which is not counted as its cost.
     warm_up(fleet=True)
     start = time.process_time()
     slip, refusal, named = math.nan, None, place is not None
@@ -136,7 +136,7 @@ def fit(
         said = diagnose_record(x, sample_rate, bearing, shaft_hz, unit=unit)
         place, slip = said.result if said.result in PLACES else 'none', said.slip
         if said.level == 'fault' and len(said.faults) == 1:
-            # *Ambiguous* with a part of the shaft.
+            # *Ambiguous* between this part and the shaft.
             place = said.faults[0]
         if place == 'none' and said.result != 'healthy':
             refusal = Refusal(
@@ -159,9 +159,9 @@ def fit(
 
 def fitted_vibration(found: Calibration, seconds: float) -> FloatArray:
     """
-    Return what the fitted twin's sensor gives at the conditions of a calibration, shape (n,).
+    Return the sensor signal of the fitted twin under the conditions of the fit, shape (n,).
 
-    In the unit of the samples that it was fitted to, at ``situation.sample_rate``.
+    Its unit is that of the fitted samples, its rate ``situation.sample_rate``.
 
     Examples
     --------
@@ -189,7 +189,7 @@ def _checked(
     load: tuple[float, float] | None,
     temperature: float,
 ) -> tuple[FloatArray, Situation]:
-    """Check what comes from outside."""
+    """Check the arguments of `fit`; return the record without its mean, and its situation."""
     x = np.asarray(samples, dtype=np.float64)
     if x.ndim != 1:
         msg = f'samples have shape {x.shape}; give one axis as a 1-D array'
@@ -215,9 +215,9 @@ def _checked(
 
 def decimated(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
     """
-    Return a record at a rate at which candidates are simulated, and that rate, Hz.
+    Decimate a record to at most `HIGHEST_RATE`; return it and its new rate, Hz.
 
-    A filter takes out what lies above half the lower rate.
+    An anti-aliasing filter is applied first.
 
     Examples
     --------
@@ -252,7 +252,7 @@ def _fitted(
         refusal = no_impacts(x, situation) if named else None
         refusal = refusal or half_as_often(x, situation)
         turning = gear(x, situation.sample_rate, measured)
-        # A defect beside a gear may be wider than the teeth are apart.
+        # A defect beside a gear may be wider than the distance of the gear's impacts.
         refusal = refusal or (turning and with_farther(turning, whole, measured, situation))
         refusal = refusal or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
@@ -313,16 +313,16 @@ def _defect(
     seed: int,
     refusal: Refusal | None,
 ) -> tuple[Posterior, Refusal | None]:
-    """Return what is left possible of a defect, and why its width is not told, if it is not."""
+    """Return the posterior of a defect, and why its width is not told; None if it is."""
     if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
         return posterior.supposed(situation, seed), refusal
     if refusal:
         return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
-    # Two impacts are apart if one resonance that they excite has swung between them.
+    # Two impacts are separate if a resonance that they excite oscillates between them.
     fastest = fastest_resonance(x, situation.sample_rate, measured.spacing)
     refusal = untold(left, situation, fastest)
-    # The impacts are those of a passage, or they are not and hide it: one as likely as the other.
+    # Either the impacts are those of a passage or they hide it: both cases are equally likely.
     if refusal is not None and refusal.kind is not Kind.MANY_WIDTHS:
         left = left.or_else(posterior.limit(measured, situation, candidates=candidates, seed=seed))
     return left, refusal
@@ -335,7 +335,7 @@ def _path(
     weights: FloatArray,
     seed: int,
 ) -> tuple[SensorPath, FloatArray]:
-    """Identify the path of a typical candidate; also return its acceleration without noise."""
+    """Identify the path of the median candidate; also return its acceleration without noise."""
     typical = {
         name: np.full(1, float(posterior.weighted_quantile(v, weights, (0.5,))[0]))
         for name, v in values.items()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Several records of one machine: impacts that do not follow the speed, and one width of all."""
+"""Compare several records of one machine: recognise ringing, and give one width of all."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ WIDTH = 'defect_width_mm'
 
 def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
     """
-    Return a calibration with what records at other speeds add to it, or contradict.
+    Return a calibration, corrected by the impacts of records at other speeds.
 
-    Impacts that stay as far apart in time while the speed changes are ringing, not a passage.
-    Those that stay as far apart on the race are a passage, whatever made the record alone
-    doubtful; its width is their distance and what the path of a ball takes off.
+    If the time between the impacts is the same at another speed, they are ringing, not a passage.
+    If their distance on the race is the same, they are a passage, even if the record alone is
+    doubtful. The width is then their distance plus `taken_off`.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
         refusal = ringing(seen, others)
         if refusal is None:
             return found
-        # Beside ringing the other edge may be anywhere.
+        # The peak is ringing, so that the other edge may be anywhere.
         high = next_ball(found.situation)
         told = replace(width, q05=0.0, q95=high, identifiable=False, why=refusal.why)
         return _with(found, told, refusal.kind)
@@ -73,9 +73,9 @@ def _with(found: Calibration, width: Estimate, refusal: Kind | None) -> Calibrat
 
 def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     """
-    Width of a passage that several records show, in closed form.
+    Return the width of a passage that several records show, in closed form.
 
-    ``here`` is the situation of the first of them, and ``seen`` what each shows.
+    ``here`` is the situation of the first record, and ``seen`` has the impacts of each.
 
     Examples
     --------
@@ -90,7 +90,7 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     2.8
 
     """
-    # On the race, mm: the speed of the contact follows that of the shaft.
+    # Shaft turns to mm on the race: the contact speed is proportional to the shaft speed.
     turns = np.array([each.turn for each in seen])
     lobes = np.array([each.lobe_s * each.shaft_hz for each in seen])
     scale = 1e3 * here.speed / here.shaft_hz
@@ -98,7 +98,7 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     speeds = low if low == high else f'{low} to {high}'
     most, middle = (1e3 * taken_off(here, share) for share in (0.95, 0.5))
     return Estimate(
-        # As for one record: impacts at the edges themselves, each as sharp as it looks.
+        # As for one record: the impacts are at the edges themselves, less the half width of one.
         q05=max(0.0, scale * float((turns - lobes).min())),
         median=scale * float(np.median(turns)) + middle,
         q95=scale * float(turns.max()) + most,
@@ -111,10 +111,10 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
 
 def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     """
-    Return calibrations of one machine, compared with each other, and its width with a statement.
+    Compare calibrations of one machine; return them, their common width and a statement.
 
-    The width is what the records that tell it leave possible, each as likely as the other. Its
-    interval is no narrower for their number: what the model gets wrong it gets wrong in all.
+    The width is an equal mixture of the records that tell it. More records do not narrow its
+    interval, because all share the same model error.
 
     Raises
     ------
@@ -144,16 +144,16 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     alone = [each.quantities[WIDTH].identifiable for each in found]
     found = [compared(each, seen) for each in found]
     if places == ['none']:
-        # A record that may be of a defect is not made healthy by another.
+        # A healthy record does not clear another one that may have a defect.
         clearest = min(found, key=lambda each: (each.refusal is None, each.quantities[WIDTH].q95))
         return found, clearest.quantities[WIDTH], clearest.statement
     widths = [each.quantities[WIDTH] for each in found]
     telling = [width for width in widths if width.identifiable]
-    # Those that tell it alone say more than the closed form of what several show.
+    # Records that tell a width alone are more exact than the closed form over several.
     of = [each for each, width, own in zip(found, widths, alone, strict=True)
           if own and width.identifiable]  # fmt: skip
     of = of or (found if not telling else [])
-    # As far as what each says of itself, which allows for what the model gets wrong.
+    # The interval covers those of the records, which allow for the model error.
     said = [each.quantities[WIDTH] for each in of] or telling
     low, high = min(width.q05 for width in said), max(width.q95 for width in said)
     median = float(np.median([width.median for width in said]))

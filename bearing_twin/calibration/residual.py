@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the fitted twin does not explain of its machine, by band and by order, as one number.
+Residual: what the fitted twin does not explain of its machine, by band and order, as one number.
 
-The four fault families are looked for by their combs. Imbalance, looseness, another machine or a
-drifting sensor have none: they show as a difference between the spectra of machine and twin that
-was not there while the machine was healthy.
+The diagnosis finds bearing faults by their harmonics. Imbalance, looseness, another machine or a
+drifting sensor have none: they change the difference between the spectra of machine and twin from
+that of the healthy machine. A *decision* is one comparison of both, once a minute.
 """
 
 from __future__ import annotations
@@ -22,48 +22,49 @@ import scipy
 
 FloatArray = npt.NDArray[np.float64]
 Row = npt.NDArray[np.float32]
-"""A decision: so many are held that a byte counts."""
+"""Differences of one decision, in single precision because many are stored."""
 
 ORDERS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0)
-"""Of the shaft: imbalance, misalignment and looseness are there."""
+"""Orders of the shaft that show imbalance, misalignment and looseness."""
 ORDER_WIDTH = 0.01
 LOWEST_HZ = 10.0
-"""Third octaves begin there, and end where an anti-aliasing filter begins."""
+"""Centre of the lowest third octave. The highest ends below the anti-aliasing filter."""
 LEAST_S = 2.0
-"""Least length of a window: lines of a shaft from 5 Hz on are told from their neighbours."""
+"""Least length of a window, s: it resolves the lines of a shaft from 5 Hz on."""
 DECISIONS_A_YEAR = 365 * 24 * 60
 """One decision a minute."""
 LEAST, DAY = 30, 24 * 60
-"""Healthy decisions from which a limit is known, and after which no more are learnt: a sensor that
-drifts slowly must not teach that it does, and what a day brings has been there."""
+"""Fewest healthy decisions for a limit, and most that are learnt. After a day the daily changes
+are known; learning for longer would hide a sensor that drifts slowly."""
 LEAST_DB = 0.5
-"""Least that a band may differ: no sensor is known to the tenth of a decibel."""
+"""Least limit of a band, dB: no sensor is known to the tenth of a decibel."""
 DAY_DB = 2.0
-"""What it may differ besides until a day was learnt: what 20 K do to a level, at two standard
+"""Addition to the limit until a day was learnt, dB: the change of a level by 20 K, at two standard
 deviations of `diagnosis.machine.dependence.PER_KELVIN`."""
 LEAST_RUN, MOST_RUN = 3, 10
-"""Decisions in a row that an alarm needs: two may be disturbed. Fewer are enough where the change
-is large."""
+"""Fewest and most decisions in a row that an alarm needs: two may be disturbed. A large change
+needs fewer."""
 TAIL = 4.0
-"""At a multiple m of the highest healthy difference, a decision is as rare as m to this power: for
-normal differences far rarer, for Student's t with six degrees of freedom rarer."""
+"""The probability of a decision beyond m times the highest healthy difference falls with m to this
+power. It falls faster for normal differences and for Student's t with six degrees of freedom."""
 MEMORY = 1.5
-"""Decisions this many memories apart count as independent: at a correlation that falls
-exponentially, 0.05 is left."""
+"""Decisions this many memories apart count as independent: an exponential correlation has fallen
+to 0.05."""
 SHORT = 100
-"""Healthy decisions below which a slow part of a difference, as large as its chance, is not seen;
-times the root of the memory. The limit is wider by as much as there are fewer."""
+"""Healthy decisions, times the root of the memory, that show a slow part of a difference which is
+as large as the random part. With fewer the limit is wider in proportion."""
 BEFORE, LATELY = 30, 10
-"""A step is told from the mean of so many decisions, so many decisions ago."""
+"""A step is the difference from the mean of the first number of decisions, which ended the second
+number of decisions ago."""
 HISTORY = 128
-"""Most decisions that a run may take: a band that sways too slowly for it is not judged."""
+"""Most decisions that a run may span; a band that varies too slowly for this is not judged."""
 MOVED = 0.02
-"""Most that the speed may move within a record, from the slowest to the fastest over the mean, and
-from one record to another that it is compared with. The lines of the shaft then stay where
-`ORDER_WIDTH` looks for them. On impact trains with a ramp, 2 % leaves the spacing of the impacts
-within 0.1 % and nine tenths of its prominence; 10 % makes it up to 1.5 % too short."""
+"""Largest relative change of the speed within a record (fastest minus slowest over the mean) and
+between compared records. The lines of the shaft then stay within `ORDER_WIDTH`. On impact trains
+with a ramp of 2 % the spacing of the impacts is within 0.1 % and keeps nine tenths of its
+prominence; with 10 % it is up to 1.5 % too short."""
 SPEEDS = 32
-"""Speeds at which a machine is known: in steps of 4 %, all from one to three and a half times."""
+"""Most speeds that are stored: in steps of 4 % they cover a ratio of three and a half."""
 _NOT_SAVED = 'saved residual is invalid; use what save() returned'
 
 
@@ -71,10 +72,10 @@ def spectral_levels(
     x: npt.ArrayLike, sample_rate: float, shaft_hz: float
 ) -> tuple[tuple[str, ...], FloatArray]:
     """
-    Levels of a vibration by third octave, tonality of each, and lines of the shaft.
+    Return third-octave levels of a vibration, the tonality of each, and the lines of the shaft.
 
-    The tonality is the highest line of a third octave over its median: a line of another machine
-    shows there long before it raises the whole band.
+    The tonality is the highest line of a third octave over its median. A line of another machine
+    shows in it long before it raises the whole band.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def spectral_levels(
     sample_rate
         Hz.
     shaft_hz
-        Hz; NaN: no lines of the shaft.
+        Shaft speed, Hz; NaN: no lines of the shaft.
 
     Returns
     -------
@@ -139,16 +140,16 @@ def spectral_levels(
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What a window shows beyond its twin."""
+    """Residual of one decision."""
 
     number: float
     """Largest difference over its limit: 1 is an alarm. NaN until the limit is known."""
     where: str
-    """Band or order of the largest."""
+    """Band or order of the largest difference."""
     over: float
-    """How far machine minus twin is from what it was in the healthy record there, dB."""
+    """Change of machine minus twin there since the machine was healthy, dB."""
     reason: str
-    """In words; why there is no number, if there is none."""
+    """Result in words, or why there is no number."""
 
     @property
     def alarm(self) -> bool:
@@ -159,17 +160,17 @@ class Unexplained:
 @dataclass(eq=False)
 class Residual:
     """
-    Differences between a machine and its twin while it was healthy.
+    Learn the differences between a healthy machine and its twin, and judge new ones.
 
-    The limit is a rank, so that no shape of the differences is assumed. If n healthy decisions and
-    k new ones are independent and alike, all k are beyond the highest of the n once in
-    (n + k)! / (n! k!) cases. An alarm is a run so long that this is one a year over all bands,
-    both sides and all lengths of a run. A shorter run has to be beyond a multiple of the highest:
-    see `TAIL`. Where a difference has a memory, in its value or in its size, only decisions beyond
-    it count, of the healthy ones and of the run. The same is done with steps, differences less
-    their mean of half an hour ago: they show what is sudden where a slow sway hides it.
+    The limit is a rank, so that no distribution of the differences is assumed. If n healthy
+    decisions and k new ones are independent and alike, all k are beyond the highest of the n once
+    in (n + k)! / (n! k!) cases. An alarm is a run so long that this happens once a year over all
+    bands, both sides and all lengths of a run. A shorter run has to be beyond a multiple of the
+    highest: see `TAIL`. If a difference is correlated in time, in its value or its size, only
+    decisions that are independent count. Steps, differences from the mean of half an hour ago, are
+    judged in the same way: they show a sudden change that slow variation hides.
 
-    ``studies.residual`` counts false alarms and what is seen (docs/calibration.md).
+    ``studies.residual`` counts false and true alarms (docs/calibration.md).
 
     Examples
     --------
@@ -193,15 +194,15 @@ class Residual:
     recent: list[Row] = field(default_factory=list)
     """The newest decisions, which are judged."""
     waiting: list[Row] = field(default_factory=list)
-    """Decisions that are learnt from if no alarm follows."""
+    """Healthy decisions that are learnt if no alarm follows."""
     number: int = 0
-    """Of its newest decision, counted over all speeds of the machine."""
+    """Number of its newest decision, counted over all speeds of the machine."""
 
     def __post_init__(self) -> None:
         self._limits: list[_Limits] = []
 
     def learn(self, names: tuple[str, ...], difference: FloatArray) -> None:
-        """Take the difference, machine minus twin, dB, of a healthy decision."""
+        """Learn a healthy decision: machine minus twin, dB, shape (m,)."""
         if names != self.names:
             self.names, self.rows, self.recent, self.waiting = tuple(names), [], [], []
         if len(self.rows) < DAY:
@@ -212,9 +213,10 @@ class Residual:
         self, names: tuple[str, ...], difference: FloatArray, *, healthy: bool
     ) -> Unexplained:
         """
-        Judge a decision, and learn from those before it that have proved healthy.
+        Judge a decision, and learn earlier ones that have proved healthy.
 
-        A decision waits for as many as an alarm needs: what an alarm begins with is not learnt.
+        A decision is learnt after as many others as an alarm needs, so that the beginning of an
+        alarm is not learnt.
         """
         found = self.judge(names, difference)
         if found.alarm or not healthy or names != self.names:
@@ -261,9 +263,9 @@ class Residual:
 
     def numbers(self, differences: npt.ArrayLike) -> FloatArray:
         """
-        Judge many decisions at once, each with those before it: the numbers of :meth:`judge`.
+        Return the numbers that :meth:`judge` gives for many decisions in a row.
 
-        The differences, machine minus twin, dB, are of the bands that were learnt, shape (n, m).
+        The differences, machine minus twin, dB, are in the learnt bands, shape (n, m).
 
         Returns
         -------
@@ -304,7 +306,7 @@ class Residual:
             self._limits += [_limits(steps, 0.0)] if len(steps) >= LEAST else []
 
     def save(self) -> tuple[dict[str, Any], Row]:
-        """Return plain values and all decisions, from which :meth:`of` makes it again."""
+        """Return plain values and all decisions, which :meth:`of` reads."""
         decisions = [*self.rows, *self.recent, *self.waiting]
         values = {
             'names': list(self.names), 'number': self.number, 'rows': len(self.rows),
@@ -315,12 +317,12 @@ class Residual:
     @classmethod
     def of(cls, values: dict[str, Any], decisions: Row) -> Residual:
         """
-        Residual of what was saved.
+        Return the residual that :meth:`save` has written.
 
         Raises
         ------
         BearingTwinError
-            If it is not that.
+            If the values are not from :meth:`save`.
 
         """
         try:
@@ -341,7 +343,7 @@ class Residual:
 @dataclass(eq=False)
 class Residuals:
     """
-    Residuals of a machine at the speeds at which it was healthy: at another, its lines are others.
+    Residuals of a machine, one for each speed, because its lines depend on the speed.
 
     Examples
     --------
@@ -354,7 +356,7 @@ class Residuals:
     """
 
     known: list[tuple[float, Residual]] = field(default_factory=list)
-    """Speeds, Hz, and what is known at each, the newest last."""
+    """Speeds, Hz, and the residual of each, the last used one at the end."""
 
     def update(
         self, names: tuple[str, ...], difference: FloatArray, shaft_hz: float, *, healthy: bool
@@ -362,7 +364,7 @@ class Residuals:
         """Judge a decision at a speed, Hz, and learn from it: see `Residual.update`."""
         near = [each for each in self.known if abs(each[0] / shaft_hz - 1.0) <= MOVED]
         if not near and len(self.known) >= SPEEDS:
-            # A speed that the machine only passed by is given up for this one: the oldest.
+            # Drop the oldest speed, if possible one with too few decisions for a limit.
             few = [each for each in self.known if len(each[1].rows) < LEAST]
             self.known.remove((few or self.known)[0])
         new = (shaft_hz, Residual())
@@ -371,7 +373,7 @@ class Residuals:
         self.known = [*(each for each in self.known if each is not at), at]
         number = 1 + max(each.number for _, each in self.known)
         if number - residual.number > LEAST:
-            # What it did at this speed hours or days ago is not judged together with today.
+            # Decisions at this speed from hours or days ago do not form a run with new ones.
             residual.recent, residual.waiting = [], []
         residual.number = number
         speeds = [f'{hz:.3g}' for hz, each in self.known if len(each.rows) >= LEAST]
@@ -382,7 +384,7 @@ class Residuals:
         return replace(found, reason=said)
 
     def save(self) -> tuple[list[dict[str, Any]], dict[str, Row]]:
-        """Return plain values and arrays, from which :meth:`of` makes it again."""
+        """Return plain values and arrays, which :meth:`of` reads."""
         saved = [each.save() for _, each in self.known]
         values = [
             {'shaft_hz': hz, **plain}
@@ -393,12 +395,12 @@ class Residuals:
     @classmethod
     def of(cls, values: Any, arrays: dict[str, Row]) -> Residuals:
         """
-        Residuals of what was saved.
+        Return the residuals that :meth:`save` has written.
 
         Raises
         ------
         BearingTwinError
-            If it is not that.
+            If the values are not from :meth:`save`.
 
         """
         try:
@@ -418,7 +420,7 @@ def _nothing(reason: str) -> Unexplained:
 
 
 def _steps(rows: FloatArray) -> FloatArray:
-    """Return each decision less the mean of some before it, shape (n - 40, m)."""
+    """Return each decision less the mean of earlier ones: see `BEFORE`; shape (n - 40, m)."""
     sums = np.cumsum(np.concatenate([np.zeros((1, rows.shape[1])), rows]), axis=0)
     means = (sums[BEFORE:] - sums[:-BEFORE]) / BEFORE
     return np.asarray(rows[BEFORE + LATELY :] - means[: max(len(rows) - BEFORE - LATELY, 0)])
@@ -426,29 +428,29 @@ def _steps(rows: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Limits:
-    """How far bands may be from their healthy centre, and for how long."""
+    """Limits of the bands: distance from the healthy centre for each length of a run."""
 
     centre: FloatArray
     """dB, shape (m,)."""
     reach: FloatArray
     """Highest healthy difference over and under the centre, dB, shape (2, m)."""
     apart: npt.NDArray[np.int64]
-    """From one decision that counts to the next, shape (m,)."""
+    """Decisions from one that counts to the next, shape (m,)."""
     raised: FloatArray
-    """Multiple of the reach for each length of a run, shape (lengths, m)."""
+    """Multiple of the reach that a run of each length has to exceed, shape (lengths, m)."""
 
     @property
     def deep(self) -> int:
-        """Decisions that the longest run takes."""
+        """Decisions that the longest run spans."""
         return min((MOST_RUN - 1) * int(self.apart.max()) + 1, HISTORY)
 
     def shares(self, recent: FloatArray) -> FloatArray:
-        """Greatest share of a limit over and under, shape (2, m); -inf where none is told."""
+        """Return the largest share of a limit over and under, shape (2, m); -inf: not judged."""
         over = recent - self.centre
         apart = np.nan_to_num(np.stack([over, -over], axis=1) / self.reach, nan=-math.inf)
         greatest = np.full(self.reach.shape, -math.inf)
         if len(apart) >= LEAST_RUN:
-            # Most are over and under in turn, and have no run to be followed.
+            # Most bands are over and under in turn and have no run.
             greatest = np.minimum(apart[-LEAST_RUN:].min(axis=0), 0.0)
         side, band = np.nonzero(greatest == 0.0)
         held = np.minimum.accumulate(apart[::-1, side, band], axis=0)
@@ -459,7 +461,7 @@ class _Limits:
         return greatest
 
     def numbers(self, table: FloatArray) -> FloatArray:
-        """Greatest share of a limit at each decision, shape (n,); NaN where no band is told."""
+        """Return the largest share of a limit at each decision, shape (n,); NaN: not judged."""
         told = np.isfinite(self.centre)
         found = np.full(len(table), 0.0 if told.any() else math.nan)
         over = table - self.centre
@@ -479,11 +481,11 @@ class _Limits:
 
 
 def _limits(rows: FloatArray, allowed: float) -> _Limits:
-    """Limits by healthy decisions, dB; what is ``allowed`` comes on top."""
+    """Return the limits from healthy decisions, dB, shape (n, m); ``allowed``, dB, is added."""
     count, bands = rows.shape
     centre = np.median(rows, axis=0)
     sizes = np.abs(rows - centre)
-    # All bands of a machine swell together, and a single one is too few to show it.
+    # The scatter of all bands changes together; a single band shows this too weakly.
     together = (sizes / np.maximum(sizes.mean(axis=0), 1e-9)).mean(axis=1)
     size_memory = _memory(np.column_stack([sizes, together]))
     memory = np.maximum(_memory(rows), np.maximum(size_memory[:-1], size_memory[-1]))
@@ -493,7 +495,7 @@ def _limits(rows: FloatArray, allowed: float) -> _Limits:
     wider = np.maximum(SHORT * np.sqrt(apart) / count, 1.0)
     reach = np.maximum(reach, LEAST_DB) * wider + allowed
     runs = np.arange(LEAST_RUN, MOST_RUN + 1)[:, None]
-    # Two sides, differences and steps, and every length of a run.
+    # Two sides times differences and steps, and every length of a run.
     cases = 4 * bands * len(runs) * DECISIONS_A_YEAR
     independent = np.maximum(count / apart, 1.0)
     ln = scipy.special.gammaln
@@ -504,17 +506,17 @@ def _limits(rows: FloatArray, allowed: float) -> _Limits:
 
 def _memory(rows: FloatArray) -> FloatArray:
     """
-    Return decisions after which each band is another one: 1 without a memory, shape (m,).
+    Return the integrated autocorrelation time of each band, decisions, shape (m,); 1: white.
 
-    Of ranks, so that single shocks do not hide it. What most bands have is no chance, and counts
-    for all; a single band has a memory of its own where it is beyond chance.
+    Ranks are correlated, so that single outliers do not hide it. The median correlation over the
+    bands counts for all; the correlation of a single band counts if it exceeds chance.
     """
     count = len(rows)
     ranks = scipy.stats.rankdata(rows, axis=0) - (count + 1) / 2.0
     size = scipy.fft.next_fast_len(2 * count)
     power = np.abs(np.fft.rfft(ranks, size, axis=0)) ** 2
     sums = np.fft.irfft(power, size, axis=0)[: count // 2]
-    # A mean of its own makes a record look as if it remembered less.
+    # Removing the mean of the record itself lowers its correlation.
     alike = sums[1:] / np.maximum(sums[0], 1e-9) + 1.0 / count
     chance = 1.0 / math.sqrt(count)
     own = alike * (alike[0] > 2.0 * chance)

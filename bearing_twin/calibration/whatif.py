@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a fitted machine would show under other conditions: the cloud of candidates, run again."""
+"""Predict the vibration of a fitted machine under other conditions: run its candidates again."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 TURNS = 60.0
-"""Shaft turns simulated of each candidate: enough for a diagnosis."""
+"""Shaft turns simulated of each candidate; enough for a diagnosis."""
 NARROWEST_MM = 0.05
 """Narrowest defect that the twin simulates."""
 DIAGNOSED = 12
 """Candidates that are diagnosed."""
 _DOUBT = {'crest_factor': 0.5, 'impulsiveness': 0.2}
-"""Scatter of what is predicted about the machine's, as logarithms: a model error, from trains of
+"""Model error of a prediction, standard deviation of the logarithm. It comes from trains of
 impacts at two speeds, which share nothing with the twin
-(`studies.calibration_machines.predict_train`: 0.51 and 0.20). No real record took part."""
+(`studies.calibration_machines.predict_train`: 0.51 and 0.20), and from no real record."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Interval:
-    """5 %, 50 % and 95 % of what is expected."""
+    """5 %, 50 % and 95 % quantiles of a prediction."""
 
     q05: float
     median: float
@@ -51,22 +51,22 @@ class Interval:
 
 @dataclass(frozen=True, kw_only=True)
 class Expectation:
-    """What to expect of a machine under some conditions."""
+    """Prediction for a machine under given conditions."""
 
     shaft_hz: float
     temperature: float
     load: tuple[float, float]
     """Range, N."""
     width_mm: tuple[float, float]
-    """Range."""
+    """Range, mm."""
     vibration: dict[str, Interval]
     verdicts: dict[str, Interval]
-    """Share of such machines of each answer of the diagnosis."""
+    """Share of the machines with each result of the diagnosis."""
 
 
 def features(x: FloatArray, sample_rate: float, longest: float) -> dict[str, float]:
     """
-    Figures of a vibration that are predicted: level, crest factor, impulsiveness, spacing.
+    Return the figures that are predicted: level, peak, crest factor, impulsiveness, spacing.
 
     Examples
     --------
@@ -105,11 +105,11 @@ def expect(
     found
         The calibration.
     shaft_hz, load, temperature, width_mm
-        What differs: Hz, a range in N, degC, mm; None: as it was fitted.
+        New conditions: Hz, a range in N, degC, mm; None: as fitted.
     candidates
-        Drawn from the calibration.
+        Number of candidates drawn from the calibration.
     seed
-        Of all draws.
+        Seed of all draws.
 
     Raises
     ------
@@ -217,7 +217,7 @@ def expect(
 
 
 def _share(count: int, of: int) -> Interval:
-    """Return the share of machines of an answer that ``count`` of some gave (Jeffreys)."""
+    """Return the share of machines whose result ``count`` of a sample have (Jeffreys)."""
     low, median, high = stats.beta.ppf((0.05, 0.5, 0.95), count + 0.5, of - count + 0.5)
     return Interval(q05=float(low), median=float(median), q95=float(high), unit='')
 
@@ -226,9 +226,9 @@ def _gains(
     found: Calibration, situation: Situation, values: dict[str, FloatArray], seed: int
 ) -> FloatArray:
     """
-    Gain of the sensor's path for each candidate, over that of the typical one.
+    Return the gain of the sensor's path for each candidate, over that of the median candidate.
 
-    The product of gain and strength of the impacts is known: it is the level of the record.
+    Only the product of gain and strength of the impacts is known: the level of the record.
     """
     values = values | {'noise_ratio': np.zeros(len(values['load']))}
     settle = SETTLE_S + REACH_S
@@ -245,11 +245,11 @@ def _changes(
     found: Calibration, situation: Situation, candidates: int, rng: np.random.Generator
 ) -> FloatArray:
     """
-    Change of the level with speed and temperature that the twin does not simulate, as a factor.
+    Return the change of level with speed and temperature that is not simulated, as a factor.
 
-    Most of a healthy machine's level is noise of the machine around the bearing, which no twin
-    has: what is supposed of machines takes its place. With a defect the twin has the change, and
-    what machines differ by is doubt.
+    Most of a healthy machine's level is noise of the machine around the bearing, which the twin
+    lacks; an assumed dependence takes its place. With a defect the twin simulates the change, and
+    only the scatter among machines is added.
     """
     octaves = math.log2(situation.shaft_hz / found.situation.shaft_hz)
     kelvins = situation.temperature - found.situation.temperature

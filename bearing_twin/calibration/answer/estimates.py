@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a fit says of each quantity: an interval, whether the vibration tells it, and why."""
+"""Estimates of a fit: interval of each quantity, whether it is identifiable, and why."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 UNBOUNDED = (Kind.NO_IMPACTS, Kind.ONE_IMPACT, Kind.TOO_WIDE)
-"""Refusals in which nothing bounds the width of a race defect."""
+"""Refusals that leave the width of a race defect without a bound."""
 
 
 def of_path(
@@ -118,13 +118,13 @@ def of_defect(
         why = 'intervals held too seldom on simulated machines of known truth'
         if name == 'defect_width_mm':
             if refusal is None:
-                # The model may be wrong about the path of a ball over an edge: the least width is
-                # that of impacts at the edges themselves, an impact being as sharp as it looks.
+                # The model of the path over an edge may be wrong. The lower bound is therefore at
+                # most the distance of the impacts themselves, less the half width of one.
                 spacing, lobe = (
                     1e3 * t * situation.speed for t in (measured.spacing, measured.lobe)
                 )
                 low = min(low, spacing - lobe)
-                # Nor is the most less than what half of the supposed loads and depths make of it:
+                # The upper bound is at least the width at the median of assumed loads and depths:
                 # candidates in which the rotor rebounds after the exit have narrower defects.
                 high = max(high, spacing + 1e3 * taken_off(situation, 0.5))
                 why = (
@@ -133,12 +133,12 @@ def of_defect(
                     'passage, which records at another speed prove'
                 )
             elif refusal.kind in UNBOUNDED:
-                # A ball is always in a defect that is wider than the distance of two balls.
+                # A defect wider than the distance of two balls always has a ball in it.
                 low, high, why = 0.0, next_ball(situation), refusal.why
             elif refusal.kind is Kind.MANY_WIDTHS:
                 why = refusal.why
             else:
-                # What hides the spacing hides it in narrower defects too, whatever was supposed.
+                # The spacing of any narrower defect is hidden too, whatever the prior assumes.
                 hidden = max(longest_doubtful(measured), refusal.farther) * situation.speed
                 hidden += _most_taken_off(situation)
                 high = min(max(high, 1e3 * hidden), next_ball(situation))
@@ -152,7 +152,7 @@ def of_defect(
 
 def of_slip(situation: Situation, *, heard: bool) -> Estimate:
     """
-    Return the slip of the cage; ``heard`` if the diagnosis has found it.
+    Return the estimate of the cage slip; ``heard``: whether the diagnosis has measured it.
 
     Examples
     --------
@@ -188,9 +188,10 @@ def next_ball(situation: Situation) -> float:
 
 def taken_off(situation: Situation, share: float) -> float:
     """
-    Return what the path of a ball takes off a slot, m, in a share of supposed loads and depths.
+    Return by how much the impacts are closer than the slot is wide, m: a quantile of the prior.
 
-    In closed form, since few of the candidates are shallow slots under a high load.
+    ``share`` of the assumed loads and depths give less. The closed form is used because few of the
+    candidates are shallow slots under a high load.
 
     Examples
     --------
@@ -211,7 +212,7 @@ def taken_off(situation: Situation, share: float) -> float:
 
 
 def _most_taken_off(situation: Situation) -> float:
-    """Return what the path of a ball takes off a slot at most, m: a limit holds at any load."""
+    """Return by how much the impacts are closer than the slot is wide, m, at most, at any load."""
     prior = unknowns(situation)
     sinking = min(
         interference(situation.bearing, prior['load'].high), 1e-6 * prior['defect_depth_um'].high
@@ -228,10 +229,10 @@ def without_defect(
     refusal: Refusal | None = None,
 ) -> tuple[Estimate, str]:
     """
-    Return the width of a defect that the record would have shown, and that in words.
+    Return the width of a defect that the record would have shown, and a statement of it.
 
-    ``scale`` is m/s^2 of one unit of the samples, NaN if it is not known; ``refusal`` tells why
-    the bearing may have a defect though none is fitted.
+    ``scale`` is m/s^2 per unit of the samples; with an unknown unit it brings the record to the
+    level of the twin. ``refusal`` tells why the bearing may have a defect though none is fitted.
 
     Examples
     --------
@@ -279,9 +280,9 @@ def supposed(
     values: dict[str, FloatArray], weights: FloatArray, situation: Situation
 ) -> dict[str, Estimate]:
     """
-    Return the quantities of a bearing without a race defect: what was supposed of them.
+    Return the quantities of a bearing without a race defect, as they were assumed.
 
-    ``values`` has a value a candidate of each unknown, and ``weights`` those of the candidates.
+    ``values`` has one value per candidate for each unknown, ``weights`` one weight, shape (n,).
 
     Examples
     --------

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The smallest defect that a record without one would have shown.
+The smallest defect that would have shown in a record without a defect.
 
-Defects of candidates are simulated, brought to the unit of the record and added to it.
-One is shown if the comb of its frequency stands out of the squared envelope spectrum as noise does
-not and the record itself does not, or if it alone is louder than the record.
+Candidate defects are simulated, converted to the unit of the record and added to it. A defect
+shows if the harmonics of its frequency stand out of noise in the squared envelope spectrum and
+those of the record alone do not, or if the defect alone is louder than the record.
 """
 
 from __future__ import annotations
@@ -29,59 +29,60 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 CONFIDENCES = 0.95, 0.9, 0.8, 0.7
-"""Least shares of the candidates with a wider defect that have to show: the first that is met."""
+"""Shares of the candidates with a wider defect that have to show; the first one reached counts."""
 _NEAR, _SHORT_OF = 8, 0.15
-"""So many whose defect is barely wider, and how far their share may be below that of all."""
+"""Number of barely wider candidates, and how far their share may be below the confidence."""
 LOUDER = 1.12
-"""RMS of a defect over that of the record that cannot hold it, with 1 dB for chance."""
+"""RMS of a defect over that of a record that is too quiet to contain it, with 1 dB for chance."""
 LOSS_DB = 20.0
-"""Most that is supposed to be lost between the twin's housing, which is one rigid mass, and the
-sensor: joints and distance take 10 dB and more each."""
+"""Largest loss assumed between the twin's housing, which is one rigid mass, and the sensor, dB:
+joints and distance take 10 dB and more each."""
 LOUDER_DB = 20.0
-"""Most that a machine of unknown unit is supposed to be louder than the healthy twin, to whose
-level it is brought: the healthy machine of CWRU is 17 dB louder."""
+"""Largest level assumed of a machine of unknown unit over the healthy twin, to whose level it is
+scaled, dB. The healthy machine of CWRU is 17 dB louder."""
 _EACH = 64
 """Candidates on each race."""
 _MOST_SAMPLES = 1 << 18
-"""Of the record that are looked at."""
+"""Most samples of the record that are used."""
 CHANCE = 1e-4
-"""Share of records of noise whose comb stands out."""
+"""Share of noise records whose harmonics stand out."""
 _HARMONICS = 3
 COMB_OVER_FLOOR = 25.0
-"""A line, or the mean of a comb's, over the floor: noise reaches it once in e^25 bins."""
+"""Least ratio of a line, or of the mean of harmonics, to the floor: noise reaches it once in e^25
+bins."""
 SLIPPED = 0.03
-"""Most that slip, with an error of the speed, moves the impacts."""
+"""Largest relative shift of the impact frequency by slip and an error of the speed."""
 SPEED_ERROR, LOBE = 0.005, 3.0
-"""How far a line of an order of the shaft may lie from it: share of its frequency, and bins of a
+"""Largest distance of a line from its order of the shaft: share of its frequency, and bins of a
 spectrum with a Hann window."""
 ABOVE_ORDERS = 2.0
-"""Least power of an outer race's line at an order of the shaft over the orders beside it: what
-swells with the shaft has orders of like height. An outer race that strikes at an order, with less
-than they have, is not told from them."""
+"""Least power of an outer race's line at an order of the shaft over the orders beside it: orders
+of a modulation by the shaft are about equally high. A weaker line of an outer race that strikes at
+an order cannot be told from them."""
 
 
 class Comb(NamedTuple):
-    """Lines of a part in the squared envelope spectrum."""
+    """Harmonics of a part in the squared envelope spectrum."""
 
     over_floor: float
     """Mean of the harmonics over the floor about each."""
     chance: float
-    """What noise alone reaches in `CHANCE` of records."""
+    """Value of ``over_floor`` that noise alone reaches in `CHANCE` of records."""
     modulation: float
     """Modulation index."""
 
     @property
     def suspect(self) -> bool:
-        """Whether it is as clear as the diagnosis asks of a suspect."""
+        """Whether the harmonics are clear enough for the diagnosis to suspect the part."""
         return self.modulation >= INDEX_SUSPECT and self.over_floor >= COMB_OVER_FLOOR
 
 
 def comb(x: FloatArray, sample_rate: float, frequency: float, orders_of: float = 0.0) -> Comb:
     """
-    Return how far the comb of a frequency stands out of the squared envelope spectrum of a signal.
+    Return how far the harmonics of a frequency stand out of the squared envelope spectrum.
 
     Slip may move the ``frequency`` of the impacts, Hz, by `SLIPPED`. The orders of a shaft that
-    turns at ``orders_of``, Hz, are left out, also where they are a defect's; 0: none are.
+    turns at ``orders_of``, Hz, are left out, even if a defect has lines there; 0: none are.
 
     Examples
     --------
@@ -111,7 +112,7 @@ def comb(x: FloatArray, sample_rate: float, frequency: float, orders_of: float =
         bins.append(len(near))
     if not lines:
         return Comb(0.0, math.inf, 0.0)
-    # The mean of k lines of noise is of a gamma distribution, and each is the highest of its bins.
+    # The mean of k noise lines has a gamma distribution, and each is the highest of its bins.
     once = CHANCE / math.prod(bins)
     chance = float(scipy.special.gammainccinv(len(bins), once)) / len(bins)
     return Comb(float(np.mean(ratios)), chance, 2.0 * math.sqrt(sum(lines)))
@@ -119,9 +120,9 @@ def comb(x: FloatArray, sample_rate: float, frequency: float, orders_of: float =
 
 def _spectrum(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
     """
-    Squared envelope spectrum over the square of the mean, and its step, Hz.
+    Return the squared envelope spectrum over the square of the mean, and its step, Hz.
 
-    A window keeps the lines of the shaft from leaking into those beside.
+    A window limits the leakage of the shaft's lines.
     """
     envelope, rate = squared_envelope(x, sample_rate)
     mean = float(envelope.mean())
@@ -131,7 +132,7 @@ def _spectrum(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
 
 
 def _on_order(power: FloatArray, step: float, shaft_hz: float) -> npt.NDArray[np.bool_]:
-    """Whether a line at each frequency of a spectrum may be that of an order of the shaft."""
+    """Return a mask of the frequencies of a spectrum that may be an order of the shaft."""
     hertz = np.arange(len(power)) * step
     away = np.abs(hertz - np.round(hertz / shaft_hz) * shaft_hz)
     return np.asarray(away <= SPEED_ERROR * hertz + LOBE * step)
@@ -141,7 +142,7 @@ def shown(
     x: FloatArray, added: FloatArray, sample_rate: float, frequency: float, shaft_hz: float
 ) -> bool:
     """
-    Whether a record would have shown a defect.
+    Whether a record would have shown a defect whose vibration is ``added``.
 
     Examples
     --------
@@ -159,7 +160,7 @@ def shown(
 
 
 def _own(x: FloatArray, rate: float, frequency: float, shaft_hz: float) -> tuple[Comb, float]:
-    """Return a record's own comb; without the orders of the shaft if they are clear in it."""
+    """Return a record's own harmonics, and the shaft speed of the orders left out, Hz, or 0."""
     own = comb(x, rate, frequency)
     if own.over_floor < own.chance:
         return own, 0.0
@@ -167,7 +168,7 @@ def _own(x: FloatArray, rate: float, frequency: float, shaft_hz: float) -> tuple
 
 
 def _stands_out(with_defect: Comb, own: Comb) -> bool:
-    """Whether a comb is clear where the record's own is not."""
+    """Whether harmonics are clear that are not clear in the record itself."""
     if own.over_floor < own.chance:
         return with_defect.over_floor >= with_defect.chance
     return with_defect.suspect and not own.suspect
@@ -175,10 +176,10 @@ def _stands_out(with_defect: Comb, own: Comb) -> bool:
 
 def line_over_floor(x: FloatArray, situation: Situation) -> float:
     """
-    Highest line at the frequency of the impacts, whatever their slip, over the floor about it.
+    Return the highest line at the impact frequency, with any slip, over the floor around it.
 
-    Harmonics are left out: three of an outer race may be two of an inner one. A line of the shaft
-    that lies where the part may strike counts as the part's; see `order_of_the_shaft`.
+    Harmonics are left out: the third of an outer race may be the second of an inner race. A line
+    of the shaft within the range of slip counts as the part's; see `order_of_the_shaft`.
 
     Examples
     --------
@@ -203,15 +204,15 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
 
 def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     """
-    Order of the shaft whose line is the only one where an outer race may strike; 0 if none is.
+    Return the shaft order that explains the line at the outer race frequency; 0 if none does.
 
-    A line at an order is the part's if it is higher than those at the orders beside it. That says
-    nothing of an inner race, whose own sidebands are there: of 16 twins of a 6307 up to 15 have
-    sidebands of half its line and more.
+    A line at an order is that of the race if it exceeds the orders beside it by `ABOVE_ORDERS`.
+    This does not hold for an inner race, whose own sidebands are at these orders: of 16 twins of a
+    6307 up to 15 have sidebands of half its line and more.
 
     Examples
     --------
-    Noise that swells with orders 1 to 6; the outer race of a 6307 strikes 3.026 times a turn:
+    Noise modulated by orders 1 to 6; the outer race of a 6307 strikes 3.026 times a turn:
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.calibration.candidates.cloud import Situation
@@ -246,11 +247,11 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
 
 def between_impacts(x: FloatArray, situation: Situation) -> float:
     """
-    Highest line at half or one and a half times the frequency of the impacts, over the line there.
+    Return the highest line at 0.5 or 1.5 times the impact frequency, over the line at it.
 
-    Where it is high the impacts are half as frequent, as they seem if a sample rate is halved or a
-    speed doubled. Orders of the shaft are left out, and with them the sidebands of an inner race.
-    It is 0 where noise alone may be as high: the line of faint impacts is hardly higher.
+    If it is high, the impacts are half as frequent: the given sample rate may be half, or the
+    speed twice, the true one. Orders of the shaft are left out, and with them the sidebands of an
+    inner race. It is 0 if noise alone may be as high: the line of faint impacts is hardly higher.
 
     Examples
     --------
@@ -282,18 +283,18 @@ class Shown(NamedTuple):
     """The smallest defect that a record would have shown."""
 
     width_mm: float
-    """NaN if none would."""
+    """Width, mm; NaN if none would show."""
     confidence: float
-    """Share of the wider ones that show; if none would, of the widest eighth."""
+    """Share of the wider defects that show; if the width is NaN, of the widest eighth."""
 
 
 def smallest_shown(
     measured: FloatArray, situation: Situation, factor: float, louder_db: float, seed: int
 ) -> Shown:
     """
-    Return the width above which race defects would have shown, and how many of them.
+    Return the width above which race defects would have shown, and the share that shows.
 
-    Times ``factor`` the record is in m/s^2, or at most by ``louder_db``, dB, louder than that.
+    ``factor`` converts the record to m/s^2; the machine may be louder by up to ``louder_db``, dB.
 
     Examples
     --------
@@ -315,7 +316,7 @@ def smallest_shown(
         there = replace(situation, place=place)
         prior = unknowns(there)
         drawn = {name: about.place(rng.random(_EACH)) for name, about in prior.items()}
-        # As many from one width to twice as from there to twice that.
+        # The widths are uniform in their logarithm.
         about = replace(prior['defect_width_mm'], logarithmic=True)
         drawn['defect_width_mm'] = about.place(np.arange(_EACH) / _EACH)
         drawn['noise_ratio'] = np.zeros(_EACH)
@@ -330,12 +331,12 @@ def smallest_shown(
             seen[one] = added.std() > level or _stands_out(
                 comb(background[: len(x)] + added, rate, there.strikes, orders_of), own
             )
-        # Of n candidates that are as wide or wider, k show: k + 1/2 of n + 1 are expected to.
+        # If k of n candidates as wide or wider show, the expected share is (k + 1/2) / (n + 1).
         share_seen = (seen[::-1].cumsum()[::-1] + 0.5) / (np.arange(_EACH, 0, -1) + 1.0)
         near = scipy.ndimage.uniform_filter1d(seen, _NEAR, origin=-_NEAR // 2, mode='nearest')
         least = np.array(CONFIDENCES)[:, None]
         enough = (share_seen >= least) & (near >= least - _SHORT_OF)
-        # A few of the widest tell no share.
+        # The few widest candidates are too few for a share.
         enough[:, -_NEAR:] = False
         first = np.argmax(enough, axis=1)
         widths = np.where(enough.any(axis=1), drawn['defect_width_mm'][first], math.nan)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The two impacts of a passage at several speeds: what follows the speed, and what does not.
+The two impacts of a passage at several speeds: a passage follows the speed, ringing does not.
 
 The edges of a defect are a fixed angle of the race apart, so that the time between their impacts
-times the shaft speed is constant. A resonance, or the rebound of the rotor, keeps its time.
+times the shaft speed is constant. For a resonance or a rebound of the rotor the time is constant.
 """
 
 from __future__ import annotations
@@ -28,28 +28,29 @@ if TYPE_CHECKING:
 
 
 SAME_TIME, OTHER_SPEED = 0.03, 1.08
-"""Two impacts at the same time within this share at speeds this far apart are ringing."""
+"""Impacts the same time apart, within this share, at speeds with this ratio are ringing."""
 LOCATED = 0.5
-"""How far the top of a peak may lie from the time between two edges, over the half width of an
-impact: the impacts of entry and exit differ in shape, and the top is that of one on the other."""
+"""Largest error of the top of a peak for the time between two edges, over the half width of an
+impact. The impacts of entry and exit differ in shape, which moves the top of their correlation."""
 APART = 3.0
-"""Least change that ringing would make from speed to speed, over what both are located to."""
+"""Least logarithm of the ratio of two speeds to tell ringing from a passage, over the uncertainty
+of the spacings."""
 
 
 _GEAR_LINES, _OVER_FLOOR, _OVER_BESIDE = 3, 100.0, 3.0
-"""Harmonics of a time that have to stand out as lines of the spectrum, and how far, over the floor
-and over all that lies between two of them. Noise reaches 100 times the floor once in e^100 lines.
-The lines of a bearing lie beside as well, and its balls do not keep time: of 145 pairs of
-impacts that were simulated with and without echoes not one has a single such line, of 30 beside a
-gear each has three or more."""
+"""Least number of harmonics that stand out as lines of the spectrum for a gear, and their least
+power over the floor and over any line between two of them. Noise reaches 100 times the floor once
+in e^100 lines. A bearing has lines between the harmonics as well, and its balls pass at irregular
+intervals. Of 145 simulated pairs of impacts, with and without echoes, none has a single such line;
+of 30 beside a gear, each has three or more."""
 _ECHO = 1.5
-"""How far the echo of a gear's whitening may lie from the time of a tooth, over the half width of
-an impact: the prediction of 1.2 ms places it up to 1.1 off where a gear has three lines."""
+"""Largest error of the whitening echo of a gear for the period of a tooth, over the half width of
+an impact. The prediction of 1.2 ms places it up to 1.1 off if a gear has three lines."""
 _MOST_HARMONICS, _PARTS = 8, 16
 
 
 class Impacts(NamedTuple):
-    """What a record shows of the two impacts of a passage."""
+    """Measured spacing of the two impacts of a passage."""
 
     place: str
     """Part with the defect."""
@@ -58,19 +59,19 @@ class Impacts(NamedTuple):
     spacing_s: float
     """Time between them, s."""
     lobe_s: float
-    """Half width of one after whitening, s."""
+    """Half width of one impact after whitening, s."""
     rivals_s: tuple[float, ...] = ()
     """Other times after which impacts repeat about as clearly, s."""
 
     @classmethod
     def of(cls, values: dict[str, Any]) -> Impacts:
         """
-        Return the impacts of plain values, `_asdict`.
+        Return the impacts from the plain values of `_asdict`.
 
         Raises
         ------
         KeyError, TypeError, ValueError
-            If they are not such values.
+            If a value is missing or of another type.
 
         """
         hz, spacing, lobe = (float(values[name]) for name in ('shaft_hz', 'spacing_s', 'lobe_s'))
@@ -82,21 +83,21 @@ class Impacts(NamedTuple):
         return self.spacing_s * self.shaft_hz
 
     def located(self, other: Impacts) -> float:
-        """Return what the ratio of both spacings is known to, as a logarithm."""
+        """Return the uncertainty of the ratio of both spacings, as a logarithm."""
         return LOCATED * math.hypot(self.lobe_s / self.spacing_s, other.lobe_s / other.spacing_s)
 
     def told_apart(self, other: Impacts) -> bool:
-        """Whether ringing would be seen not to follow the speed from one record to the other."""
+        """Whether the speeds of both records differ enough to tell ringing from a passage."""
         faster = abs(math.log(self.shaft_hz / other.shaft_hz))
         return self.place == other.place and faster > APART * self.located(other)
 
 
 def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None:
     """
-    Return why the time between two impacts is that of the teeth of a gear; None if it is not.
+    Return why the time between two impacts is the period of a gear's teeth; None if it is not.
 
-    The whitening of a gear's vibration leaves an echo of each other impact after the time of a
-    tooth, which passes for a second impact. The lines of the gear are in the spectrum itself.
+    The whitening of a gear's vibration leaves an echo of any other impact after the period of a
+    tooth, which looks like a second impact. The spectrum itself shows the lines of the gear.
 
     Examples
     --------
@@ -117,7 +118,7 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
     """
     if not measured.seen:
         return None
-    # The speed of a machine moves within the record, which makes broad what is a line in a part.
+    # The speed drifts within a record: a line may be narrow only in the spectra of its parts.
     if max(_gear_lines(x, sample_rate, measured, parts) for parts in (1, _PARTS)) < _GEAR_LINES:
         return None
     return Refusal(
@@ -128,7 +129,7 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
 
 
 def _gear_lines(x: FloatArray, sample_rate: float, measured: Summary, parts: int) -> int:
-    """Lines at the harmonics of the time between two impacts, in the mean spectrum of parts."""
+    """Count the lines at harmonics of the inverse spacing, in the mean spectrum of ``parts``."""
     length = len(x) // parts
     power = scipy.signal.welch(x, sample_rate, nperseg=length)[1]
     step, own = sample_rate / length, 1.0 / measured.spacing
@@ -143,7 +144,7 @@ def _gear_lines(x: FloatArray, sample_rate: float, measured: Summary, parts: int
     reach = int(0.45 * own / step)
     near = [power[middle - reach : middle + reach + 1] for middle in at[len(at) // 2]]
     over = lines / np.median(near, axis=1)
-    # A gear may have no more lines than are asked for, and the others are chance.
+    # Only as many lines as are required count: a gear may have no more.
     best = int(np.argmax(np.sort(over, axis=1)[:, -_GEAR_LINES]))
     found = 0
     for line, centre in zip(lines[best], at[best], strict=True):
@@ -157,8 +158,8 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
     """
     Return the two impacts of a passage; None where they are not seen.
 
-    Rivals are looked for up to twice the longest time of a passage: what turns with the shaft, as
-    the teeth of a gear do, repeats after twice the time too.
+    Rivals are searched up to twice the longest time of a passage, because the teeth of a gear
+    repeat after twice the time too.
 
     Examples
     --------
@@ -179,7 +180,7 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
         return None
     far = whole.summary(2.0 * ELSEWHERE * situation.longest)
     times = (far.spacing, *far.rivals) if far.seen else measured.rivals
-    # From the exit on, the entry of the next ball is a passage of its own.
+    # Times up to the entry of the next ball, counted from the exit, may be rivals.
     next_ball = (1.0 / situation.strikes - measured.spacing) / ELSEWHERE
 
     def rivals(time: float) -> bool:
@@ -198,7 +199,7 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
 
 def ringing(seen: Impacts, others: Iterable[Impacts]) -> Refusal | None:
     """
-    Return why a spacing is no passage: it is the same at another speed; None if it is at none.
+    Return why a spacing is ringing: the time is the same at another speed; None if it is not.
 
     Examples
     --------
@@ -226,12 +227,12 @@ def _same(other: Impacts, time: float) -> bool:
 
 def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ...]:
     """
-    Return the records at other speeds in which the same passage is seen; none if it is not proved.
+    Return the records at other speeds that show the same passage; empty if it is not proved.
 
-    It is proved where the angle between the impacts is the same in most of the records at speeds
-    so far apart that ringing would differ, and where no record has a clear repetition at the time
-    of another's passage. What repeats after twice the angle too, or after a second angle in both
-    records, is a machine part that turns: a gear or a fan.
+    It is proved if the angle between the impacts is the same in most of the records whose speeds
+    tell ringing from a passage, and no record has a clear repetition at the time of another's
+    passage. If impacts repeat after twice the angle too, or after a second angle in both records,
+    they are from a rotating part: a gear or a fan.
 
     Examples
     --------
@@ -239,7 +240,7 @@ def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ..
     >>> len(follows_speed(fast, [Impacts('outer', 10.0, 4.65e-3, 1e-4)]))
     1
 
-    Ringing, of which another repetition is clearest at the other speed:
+    Ringing, with another repetition that is the clearest at the other speed:
 
     >>> ring = Impacts('outer', 10.0, 4.65e-3, 1e-4, (2.33e-3,))
     >>> len(follows_speed(fast, [ring]))
@@ -252,7 +253,7 @@ def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ..
 
 
 def _passage(one: Impacts, two: Impacts) -> bool:
-    """Whether two records at speeds far apart show one passage, and nothing else that may be."""
+    """Whether two records at speeds far apart show one passage and no other explanation."""
     within = one.located(two)
     if abs(math.log(one.turn / two.turn)) > within:
         return False

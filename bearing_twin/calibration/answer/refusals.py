@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a vibration does not tell of a defect, and why."""
+"""Reasons why a record tells no width of a defect."""
 
 from __future__ import annotations
 
@@ -29,35 +29,35 @@ if TYPE_CHECKING:
 
 
 NARROWED = 0.5
-"""A quantity is identifiable where its 90 % interval is at most this share of the prior's."""
+"""A width is identifiable if its 90 % interval is at most this share of the prior's."""
 COPY = 0.33
-"""Least `summaries.likeness` of two impacts that are no entry and exit; an exact inverse has 0.2
-by its side lobes. It refuses an eighth of true passages: of 112 slots that share nothing with the
-twin 16 are above, of 18 twins two, of 24 trains of impacts one; of 20 pairs of pits 14. Of 19
-slots so shallow that balls roll on the bottom 11 are: such a passage is the same backwards."""
+"""`summaries.likeness` from which two impacts are not entry and exit; an exact inverse has 0.2 by
+its side lobes. An eighth of true passages is above: 16 of 112 slots that share nothing with the
+twin, 2 of 18 twins and 1 of 24 trains of impacts. Of 20 pairs of pits 14 are above. So are 11 of
+19 slots so shallow that balls roll on the bottom: such a passage is symmetric in time."""
 BETWEEN = 0.25
-"""Least `healthy.between_impacts` of impacts that are half as frequent. Of 73 slots that share
-nothing with the twin none is above 0.04; impacts of the other frequency have 0.7 and more."""
+"""`healthy.between_impacts` from which the impacts are half as frequent. None of 73 slots that
+share nothing with the twin is above 0.04; impacts of half the frequency have 0.7 and more."""
 ALIKE = 2.0
-"""Most that the candidates kept may be farther from the machine than from each other."""
+"""Largest distance of the kept candidates from the machine, over that from each other."""
 NEXT_BALL = 1.1
-"""Most that the exit of a ball and the entry of the next repeat as clearly as its own entry and
-exit. Of 96 twins with both impacts one is above 1 (1.02) and one above 1.1, whose spacing was not
-that of the defect; trains of narrow defects reach 0.75, 39 of defects wider than half of the way
-to the next ball begin at 1.4."""
+"""Largest peak at the time from the exit of a ball to the entry of the next, over the peak at the
+time from its own entry to its exit. Of 96 twins with both impacts, one is above 1 (1.02), and one
+above 1.1 whose spacing was not that of the defect. Trains of narrow defects reach 0.75; 39 trains
+of defects wider than half the way to the next ball begin at 1.4."""
 PERIODS = 2.0
-"""Least periods of the resonance it excites that a passage has to last."""
+"""Shortest passage, in periods of the resonance that it excites."""
 
 
 class Kind(str, Enum):
     """Why no width is told."""
 
     NO_PART = 'no_part'
-    """The diagnosis finds something and names no part."""
+    """The diagnosis finds a fault but names no part."""
     NOT_FITTED = 'not_fitted'
     """Defects of this part are not fitted."""
     NO_IMPACTS = 'no_impacts'
-    """The part that was named does not strike."""
+    """The record shows no impacts of the named part."""
     TOO_WIDE = 'too_wide'
     """The defect may be wider than any that is simulated."""
     ONE_IMPACT = 'one_impact'
@@ -73,30 +73,30 @@ class Kind(str, Enum):
     UNLIKE_THE_TWIN = 'unlike_the_twin'
     """No candidate of the twin is like the record."""
     MANY_WIDTHS = 'many_widths'
-    """Candidates of many widths are."""
+    """Candidates of many widths are like the record."""
     SAME_AT_ANOTHER_SPEED = 'same_at_another_speed'
     """Another record shows the same time between impacts at another speed."""
 
     @property
     def unseen(self) -> bool:
-        """Whether nothing is known of the defect, so that a twin has none."""
+        """Whether nothing is known of the defect; its twin is simulated without one."""
         return self in (Kind.NO_IMPACTS, Kind.NOT_FITTED)
 
 
 class Refusal(NamedTuple):
-    """A width that is not told."""
+    """Reason why a width is not told."""
 
     kind: Kind
     why: str
     """In words."""
     farther: float = 0.0
-    """Longest time between impacts, beyond those of simulated defects, that may be that of a
-    passage, s; 0 if there is none."""
+    """Longest time between impacts, beyond those of simulated defects, that a passage may have, s;
+    0 if there is none."""
 
 
 def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     """
-    Return why the part that is named does not strike in a record; None if it does.
+    Return why a record shows no impacts of the named part; None if it does.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
 
 def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
     """
-    Return why impacts are not those of a part: they are half as frequent; None if they are not.
+    Return why impacts are not those of the named part: half as frequent; None if they are not.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
 
 def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Refusal | None:
     """
-    Return why a defect may be wider than is simulated; None if it is not.
+    Return why a defect may be wider than any that is simulated; None if it is not.
 
     Examples
     --------
@@ -165,14 +165,14 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     """
     apart = 0.0
     for share in (0.45, 0.9):
-        # Beyond half way the exit and the next ball's entry repeat too, but less clearly.
+        # Beyond half way, exit and next entry also give a peak, but a less clear one.
         farther = whole.summary(share / situation.strikes)
-        # Of noise alone, the longer the lags the likelier a peak; but never one so much clearer.
+        # Over longer lags noise alone has peaks more often, but none that clear.
         clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
         if clear and farther.spacing > situation.longest:
             apart = apart or farther.spacing
     if not apart and measured.seen and measured.spacing >= posterior.resolved(measured):
-        # Balls do not keep time: two impacts of one repeat more clearly than one of each of two.
+        # Intervals of balls vary: two impacts of one ball repeat more clearly than those of two.
         own, reach = measured.spacing, measured.lobe
         next_ball = whole.highest(1.0 / situation.strikes, SLIPPED / situation.strikes)[0]
         over_own = whole.highest(next_ball - own, reach)[1] / whole.highest(own, reach)[1]
@@ -190,7 +190,7 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
 
 def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> Refusal | None:
     """
-    Return why a record tells no spacing of the impacts of a passage; None if it does.
+    Return why a record shows no clear spacing of the impacts of a passage; None if it does.
 
     Examples
     --------
@@ -217,7 +217,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
             f'one hides a second up to {1e3 * shortest:.2f} ms',
         )
         return with_farther(refusal, whole, measured, situation)
-    # What goes on after twice the time is no passage, but the teeth of a gear.
+    # A repetition after twice the time is not a passage but the teeth of a gear.
     far = whole.summary(2.0 * ELSEWHERE * situation.longest)
     twice = 2.0 * measured.spacing
     goes_on = any(abs(time - twice) < measured.lobe for time in (far.spacing, *far.rivals))
@@ -232,12 +232,13 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
 
 def copied(x: FloatArray, situation: Situation, measured: Summary) -> Refusal | None:
     """
-    Return why two impacts are not those of entry and exit: one is a copy of the other.
+    Return why two impacts are not entry and exit: one is a copy of the other; None if it is not.
 
-    A ball loses its load where it enters and gets it back where it leaves, so that both impacts
-    differ in sign, unless it rolls on the bottom. Two pits, or an impact and its echo, do not.
+    A ball loses its load where it enters and regains it where it leaves, so that both impacts
+    differ in sign, unless it rolls on the bottom. Two pits, or an impact and its echo, have the
+    same sign.
 
-    The record has no mean, and its summary a second impact.
+    The record has no mean, and ``measured`` has a second impact.
 
     Examples
     --------
@@ -265,19 +266,20 @@ def with_farther(
     refusal: Refusal, whole: Correlation, measured: Summary, situation: Situation
 ) -> Refusal:
     """
-    Return a refusal with the longest time between impacts that may be that of a passage.
+    Return a refusal with the longest time between impacts that a passage may have.
 
-    A narrow defect repeats after the rest of the way to the next ball, too, but less clearly than
-    after its own, because balls do not keep time. What repeats more clearly is no such rest.
+    The impacts of a narrow defect also repeat from the exit to the entry of the next ball, but
+    less clearly than from entry to exit, because the intervals of balls vary. Only a clearer
+    repetition counts.
 
     Returns
     -------
     refusal
-        Itself where nothing repeats later; otherwise ``farther`` is the time in seconds.
+        Unchanged if nothing repeats later; otherwise ``farther`` is the time, s.
 
     Examples
     --------
-    A ball about each 11 ms, whose exit is 7 ms after its entry:
+    A ball about every 11 ms, whose exit is 7 ms after its entry:
 
     >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
@@ -308,10 +310,9 @@ def with_farther(
 
 def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | None:
     """
-    Return why the candidates that were kept tell no width; None if they do.
+    Return why the kept candidates tell no width; None if they do.
 
-    ``fastest`` is the highest frequency of a resonance that the impacts excite, Hz; NaN if none is
-    found.
+    ``fastest`` is the highest resonance frequency that the impacts excite, Hz; NaN if none.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a calibration says: every quantity, its interval, and whether the vibration tells it."""
+"""Result of a calibration: quantities with their intervals, and the fitted twin."""
 
 from __future__ import annotations
 
@@ -37,19 +37,19 @@ UNTOLD = {
     Kind.ONE_IMPACT: 'one impact a passage is heard',
     Kind.SAME_AT_ANOTHER_SPEED: 'a second impact is ringing, which does not follow the speed',
 }
-"""Refusals of a race whose part strikes, in which nothing bounds the width."""
+"""Refusals where a race has impacts but nothing bounds the width, in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """One quantity: 5 %, 50 % and 95 % of what is left possible."""
+    """Estimate of one quantity: 5 %, 50 % and 95 % quantiles."""
 
     q05: float
     median: float
     q95: float
     unit: str
     identifiable: bool
-    """Whether the vibration tells it; else the interval is what was supposed, or a limit."""
+    """Whether the vibration determines it; otherwise the interval is assumed, or a limit."""
     why: str
 
 
@@ -84,30 +84,30 @@ class Calibration:
     statement: str
     """Place and width of the defect, or its absence, in words."""
     refusal: Kind | None
-    """Why no width is told; None where one is, and of a healthy bearing."""
+    """Why no width is told; None if one is told, or the bearing is healthy."""
     path: SensorPath
     distance_before: float
     """Log-spectral distance of an unfitted twin from the machine, dB."""
     distance: float
-    """The same of the fitted twin."""
+    """The same for the fitted twin."""
     level_before: float
     """Level of an unfitted twin over the machine's, dB; NaN if the unit is not known."""
     level: float
-    """The same of the fitted twin."""
+    """The same for the fitted twin."""
     spectrum: NDArray[np.float64] = field(repr=False)
     """`dynamics.equations.sensor_path.band_levels` of the machine."""
     rms: float
-    """Of the machine's vibration."""
+    """RMS of the machine's vibration."""
     candidates: dict[str, NDArray[np.float64]] = field(repr=False)
-    """A value a candidate of each unknown of `cloud.unknowns`, shape (n,)."""
+    """Each unknown of `cloud.unknowns`: one value per candidate, shape (n,)."""
     weights: NDArray[np.float64] = field(repr=False)
-    """Of the candidates, sum 1, shape (n,)."""
+    """Weights of the candidates, sum 1, shape (n,)."""
     sensor_unit: str
     """Unit of the vibration; '' if unknown."""
     impacts: Impacts | None
     """The two impacts of a passage of a ball; None where they are not seen."""
     cost_s: float
-    """Processor time without that of compiling, s."""
+    """Processor time of the fit without compilation, s."""
 
     @property
     def defect(self) -> str:
@@ -116,7 +116,7 @@ class Calibration:
 
     @property
     def bounds_width(self) -> bool:
-        """Whether a race has a defect, and something bounds its width."""
+        """Whether a race has a defect whose width is bounded."""
         return self.defect in ('inner', 'outer') and self.refusal not in UNTOLD
 
     @property
@@ -137,12 +137,12 @@ class Calibration:
         Return the parameters of a twin that runs beside the machine.
 
         Its sensor has neither noise nor resonance: both are in `path`, whose filter turns its
-        acceleration into what the machine's sensor would give.
+        acceleration into the signal of the machine's sensor.
         """
         return parameters(self.twin_situation, self.typical())
 
     def _running(self) -> dict[str, Any]:
-        """Return what a twin takes that already runs, as plain numbers."""
+        """Return the values that a running twin takes from a calibration."""
         twin = self.twin_parameters()
         return {
             'defects': [asdict(defect) for defect in twin.defects],
@@ -150,7 +150,7 @@ class Calibration:
         }
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything as plain numbers, from which :meth:`from_dict` makes it again."""
+        """Return the calibration as plain values, which :meth:`from_dict` reads."""
         bearing = {
             name: value for name, value in asdict(self.situation.bearing).items() if value != ''
         }
@@ -193,7 +193,7 @@ class Calibration:
         Raises
         ------
         BearingTwinError
-            If a field is missing, of another kind or outside what a fit gives.
+            If a field is missing, of another type or outside its range.
 
         """
         try:
@@ -244,14 +244,14 @@ class Calibration:
             raise BearingTwinError(msg) from None
 
     def at(self, **changes: Any) -> Calibration:
-        """Return the same machine under other conditions: fields of `Situation`."""
+        """Return the same machine under other conditions, given as fields of `Situation`."""
         return replace(self, situation=replace(self.situation, **changes))
 
 
 def _number(
     of: dict[str, Any], name: str, low: float = -math.inf, high: float = math.inf
 ) -> float:
-    """Return a finite number of a range; raises a ValueError."""
+    """Return a finite number within a range; raises a ValueError."""
     value = of[name]
     finite = type(value) in (int, float) and math.isfinite(value)
     if not (finite and low <= value <= high):
@@ -277,7 +277,7 @@ def _estimate(of: dict[str, Any]) -> Estimate:
 
 
 def _impacts(of: dict[str, Any], situation: Situation) -> Impacts:
-    """Return the impacts of a record in a situation; raises a ValueError."""
+    """Return the impacts if they belong to the situation; raises a ValueError."""
     for name in ('spacing_s', 'lobe_s'):
         _number(of, name, _POSITIVE)
     seen = Impacts.of(of)
@@ -313,14 +313,14 @@ def _situation(machine: dict[str, Any], place: str) -> Situation:
 def _cloud(
     candidates: dict[str, Any], weights: list[float], situation: Situation
 ) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
-    """Return candidates and weights that can be drawn from; raises a ValueError."""
+    """Return candidates and weights as arrays; raises a ValueError if they are invalid."""
     arrays, shares = {k: np.array(v, float) for k, v in candidates.items()}, np.array(weights)
     each = np.stack([*arrays.values(), shares.astype(float)])
     fits = each.ndim == 2 and np.isfinite(each).all() and (each[-1] >= 0.0).all()
     if not (fits and math.isclose(each[-1].sum(), 1.0, rel_tol=1e-6)):
         raise ValueError('candidates without finite values or weights of sum 1')
     for name, about in unknowns(situation).items():
-        # An angle that is missing is zero.
+        # A missing angle is zero.
         values = arrays.get(name, np.zeros(1)) if name == 'defect_angle' else arrays[name]
         if (np.abs(values - np.clip(values, about.low, about.high)) > 1e-9 * about.high).any():
             said = f'{about.low:g} to {about.high:g} {about.unit}'.rstrip()

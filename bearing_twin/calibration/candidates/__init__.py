@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Machines that a record may be of: drawn at random, simulated, and weighed against it."""
+"""Candidate machines for a record: drawn at random, simulated and compared with it."""

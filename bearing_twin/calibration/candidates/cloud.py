@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A cloud of candidate machines: what is not known about one, drawn at random and simulated."""
+"""Candidate machines: draw the unknown quantities at random and simulate the vibration."""
 
 from __future__ import annotations
 
@@ -27,31 +27,31 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_RATE, FASTEST_HZ = 2000.0, 500.0
-"""Lowest sample rate and highest shaft speed of a record, Hz, beside what the diagnosis asks."""
+"""Lowest sample rate and highest shaft speed of a record, Hz; the diagnosis has its own limits."""
 MOST_SLIP = 0.05
-"""Most slip that is taken from the diagnosis."""
+"""Largest slip that is accepted from the diagnosis."""
 HIGHEST_RATE = 52e3
 """Highest sample rate at which candidates are simulated, Hz; faster records are decimated."""
 IMPACTS, FEWEST = 24.0, 12.0
-"""Passages simulated of each candidate, and the least where so many last longer than a second: an
-update then takes up to ten seconds of a core. Chance moves the spacing of 12 passages by a fifth
-of what counts as a difference (`posterior.features`)."""
+"""Passages simulated of each candidate, and the fewest if 24 last longer than a second. A fit then
+takes up to ten seconds of a core. Chance moves the spacing of 12 passages by a fifth of its unit
+in `posterior.features`."""
 MOST_S, LEAST_CANDIDATES = 384.0, 96
-"""Most that is simulated of all candidates of a round, s, and the least candidates: two rounds
-take 8 s of a core at 51.2 kHz. With 96 candidates instead of 384 the 90 % intervals of 20 trains
-of impacts and bilinear contacts were as wide and held as before; their medians moved by 2 %."""
+"""Longest vibration simulated in a round over all candidates, s, and the fewest candidates. Two
+rounds take 8 s of a core at 51.2 kHz. With 96 candidates instead of 384 the 90 % intervals of 20
+trains of impacts and bilinear contacts are as wide and hold as often; medians move by 2 %."""
 SETTLE_S = 0.1
 TEMPERATURE = 30.0
-"""Of the outer ring where none is given, degC."""
+"""Temperature of the outer ring if none is given, degC."""
 LONGEST_BLOCK = 1 << 20
-"""Samples that a fleet takes at a time."""
+"""Most samples that a fleet simulates in one call."""
 _BATCH = 128
 """Candidates simulated together: 100 MB at 52 kHz and 1 s."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Situation:
-    """What is known of a machine while it is measured."""
+    """Known conditions of a machine during a measurement."""
 
     bearing: Bearing
     place: str
@@ -75,7 +75,7 @@ class Situation:
 
     @property
     def strikes(self) -> float:
-        """Balls that pass the defect in a second."""
+        """Balls that pass the defect per second."""
         return fault_frequencies(self.bearing, self.shaft_hz, self.slip).impacts(self.place)
 
     @property
@@ -97,7 +97,7 @@ def example(place: str = 'outer') -> Situation:
 
 @dataclass(frozen=True)
 class Unknown:
-    """A quantity that is not known: its range, and what it is."""
+    """Prior of an unknown quantity: uniform over its range or over its logarithm."""
 
     low: float
     high: float
@@ -105,7 +105,7 @@ class Unknown:
     logarithmic: bool = False
 
     def place(self, share: npt.ArrayLike) -> FloatArray:
-        """Values at shares of the range, uniform over it or over its logarithm."""
+        """Return the values at shares of the range, linear or logarithmic."""
         if self.logarithmic:
             return np.asarray(self.low * (self.high / self.low) ** np.asarray(share))
         return np.asarray(self.low + (self.high - self.low) * np.asarray(share))
@@ -120,7 +120,7 @@ class Unknown:
 
 def unknowns(situation: Situation) -> dict[str, Unknown]:
     """
-    Return the quantities of a machine with a defect that are not known, with their ranges.
+    Return the unknown quantities of a machine with a defect, with their ranges.
 
     Examples
     --------
@@ -130,7 +130,7 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
 
     """
     low, high = load_range(situation.bearing, situation.load)
-    # The twin of a small bearing takes less; none loses more than it may when it is hot.
+    # The model allows a small bearing less. Heat does not close any bearing beyond its limits.
     loosest = min(12.0, 1e6 * clearance_limits(situation.bearing.d_pitch)[1])
     ranges = {
         'defect_width_mm': Unknown(0.1, 1e3 * widest(situation.bearing), 'mm'),
@@ -149,9 +149,9 @@ def unknowns(situation: Situation) -> dict[str, Unknown]:
 
 def parameters(situation: Situation, values: dict[str, float]) -> TwinParameters:
     """
-    Twin of one candidate, without noise and resonance of the sensor's path.
+    Return the twin of one candidate, without noise and resonance of the sensor's path.
 
-    Its surfaces are perfect: what wavy ones add counts as noise, `noise_ratio`.
+    Its surfaces have no waviness: vibration from waviness counts as noise, `noise_ratio`.
 
     Examples
     --------
@@ -198,7 +198,7 @@ def vibrations(
     """
     Yield the housing's acceleration of the candidates in batches, m/s^2, shape (batch, n).
 
-    Noise of the sensor, `noise_ratio` of each candidate's own RMS, is in it.
+    It contains sensor noise of `noise_ratio` times each candidate's own RMS.
 
     >>> machine = example()
     >>> drawn = {name: u.place([0.4, 0.6]) for name, u in unknowns(machine).items()}
@@ -209,7 +209,7 @@ def vibrations(
     count = len(values['load'])
     rng = np.random.default_rng([seed, 1])
     rate, hz = situation.sample_rate, situation.shaft_hz
-    # As the twin's gate does: colder and hotter than the tables of the steel is their end.
+    # Clip to the range of the steel's tables, as the twin's gate does.
     temperature = float(np.clip(situation.temperature, TABLE_LOW, TABLE_HIGH))
     n = int(seconds * rate)
     size = max(1, min(_BATCH, int(_BATCH * HIGHEST_RATE / n)))
@@ -239,7 +239,7 @@ def _seconds(situation: Situation) -> float:
 
 def affordable(situation: Situation, candidates: int) -> int:
     """
-    Return how many of some candidates are simulated: fewer at a slow shaft.
+    Return how many of the requested candidates are simulated: fewer at a slow shaft.
 
     Examples
     --------
@@ -257,7 +257,7 @@ def simulate(situation: Situation, values: dict[str, FloatArray], seed: int) -> 
     """
     Simulate candidates and summarise the vibration of each.
 
-    ``values`` has a value a candidate of each of `unknowns`.
+    ``values`` has one value per candidate for each of `unknowns`.
 
     Examples
     --------

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Passage of a ball over a defect: its speed, and the spacing of the two impacts that it leaves.
+Passage of a ball over a defect: speed of the contact and spacing of the two impacts.
 
 The centre of a ball that rolls into a slot sinks by ``k s^2`` at the distance s from the edge,
 with ``k = 1/d + 1/D`` on the inner race and ``1/d - 1/D`` on the outer one (d ball, D race). The
-ball is unloaded where it has sunk by the interference that its load had pressed it in, or it meets
-the bottom where it has sunk by the depth of the slot. It is loaded again as far from the other
-edge. So the two impacts are closer than the slot is wide.
+ball is unloaded where it has sunk by the interference of its loaded contacts, or it meets the
+bottom where it has sunk by the depth of the slot. It is loaded again at the same distance from the
+other edge. The two impacts are therefore closer than the slot is wide.
 """
 
 from __future__ import annotations
@@ -23,11 +23,10 @@ if TYPE_CHECKING:
 
 
 WIDEST = 10e-3
-"""Widest defect that `dynamics.Defect` takes, m."""
+"""Widest defect that `dynamics.Defect` accepts, m."""
 LOAD_SHARES = 0.003, 0.1
-"""Range of the radial load over the dynamic rating where none is given: from a test rig without a
-belt to a machine that is designed for 20 million turns (ISO 281: L_10 = (C/P)^3 million turns is a
-thousand million turns at 0.1)."""
+"""Range of the radial load over the dynamic rating if none is given: from a test rig without a
+belt to a machine designed for 1000 million turns (ISO 281: L_10 = (C/P)^3 million turns)."""
 
 
 def path_curvature(bearing: Bearing, place: str) -> float:
@@ -89,9 +88,9 @@ def impact_spacing(width: float, sinking: float, curvature: float) -> float:
     """
     Distance between unloading and loading of a ball over a slot, m; 0 where it is never unloaded.
 
-    ``width``, m, is that of the slot along the rolling direction; ``sinking``, m, what unloads the
-    ball: the interference, or the depth of the slot if that is less; ``curvature``, 1/m, see
-    `path_curvature`.
+    ``width`` is the width of the slot along the rolling direction, m. ``sinking`` is the sinking
+    that unloads the ball, m: the interference or, if less, the depth of the slot. ``curvature``,
+    1/m, is that of `path_curvature`.
 
     Examples
     --------
@@ -106,7 +105,7 @@ def impact_spacing(width: float, sinking: float, curvature: float) -> float:
 
 def widest(bearing: Bearing) -> float:
     """
-    Return the widest local defect, m: half a ball, 10 mm, or the distance of two balls.
+    Return the widest local defect, m: the least of half a ball, 10 mm and the ball spacing.
 
     Examples
     --------
@@ -121,12 +120,12 @@ def widest(bearing: Bearing) -> float:
 
 def load_range(bearing: Bearing, given: tuple[float, float] | None = None) -> tuple[float, float]:
     """
-    Range in which the radial load lies, N: what is given, or `LOAD_SHARES` of the rating.
+    Return the range of the radial load, N: the given one, or `LOAD_SHARES` of the rating.
 
     Raises
     ------
     BearingTwinError
-        If what is given is no range of loads that the twin can bear.
+        If the given range is not ascending or not within 10 N to 50 kN.
 
     Examples
     --------

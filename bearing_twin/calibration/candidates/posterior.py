@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which candidates give a vibration like the measured one: approximate Bayesian computation.
+Posterior of the unknown quantities of a machine, by approximate Bayesian computation.
 
 Candidates are drawn from the prior and simulated; those nearest in their summaries are kept. A
-second round is drawn from the prior truncated to the widths that were kept, so that no candidate
-needs a weight for how it was drawn (Deistler, Goncalves, Macke, NeurIPS 2022: truncated
-proposals). What is kept of both rounds is moved to the measured summaries by local linear
-regression (Beaumont, Zhang, Balding, Genetics 2002, 162, 2025).
+second round is drawn from the prior truncated to the kept widths, so that no candidate needs an
+importance weight (Deistler, Goncalves, Macke, NeurIPS 2022: truncated proposals). Local linear
+regression moves the kept candidates of both rounds to the measured summaries (Beaumont, Zhang,
+Balding, Genetics 2002, 162, 2025).
 
-The libraries for this (pyabc, sbi, elfi) bring SQLAlchemy, distributed, torch or TensorFlow onto
-the machine beside the bearing and start processes of their own; two rounds in fifty lines do not.
+Libraries for this (pyabc, sbi, elfi) require SQLAlchemy, distributed, torch or TensorFlow on the
+machine beside the bearing and start processes of their own. Two rounds take fifty lines here.
 """
 
 from __future__ import annotations
@@ -35,28 +35,28 @@ WIDTH = 'defect_width_mm'
 KEPT = 0.12
 """Share of the candidates of a round that is kept."""
 RESOLVED = 8.0
-"""Shortest spacing that is told from the ringing or the rebound of one impact, over the half width
-of an impact after whitening. Fixed on one rig only, CWRU: its faults of 0.2 to 0.5 mm leave a
+"""Shortest spacing that is distinguished from ringing or rebound of one impact, over the half
+width of an impact after whitening. Set on one rig only, CWRU: its faults of 0.2 to 0.5 mm leave a
 second impact 5 to 6 half widths after the first, at a time that does not follow the speed."""
 SUPPOSED = 64
-"""Candidates where nothing is told."""
+"""Candidates drawn from the prior if the vibration tells nothing."""
 LIKE = 0.4
-"""Share of the candidates without a spacing that is kept where none can be told."""
+"""Share of the possible candidates that :func:`limit` keeps."""
 SPREAD = 1.05
-"""Factor by which what is kept is spread about its median: regression on some fifty candidates
-takes out too much. Fixed on 548 simulated twins (docs/calibration.md), on no real rig."""
+"""Factor by which kept candidates are spread about their median: regression on some fifty
+candidates narrows them too much. Set on 548 simulated twins (docs/calibration.md), on no rig."""
 _SPACING_SHARE = 0.025
 _SCALES = np.array([1.0, 2.8, 1.6, 1.2, 1.2])
-"""Differences that count alike: spacing (over `_SPACING_SHARE` of the widest defect), logarithms
-of prominence and lobe, impulsiveness, rival. All but the spacing count little, because a twin gets
-them wrong about a machine. With a quarter of these scales they make the widths of 548 twins no
-more exact (4 %), and of 197 trains of impacts, which share nothing with the twin, 0.84 of the
-intervals of 90 % hold instead of 0.92."""
+"""Unit of each feature: spacing (over `_SPACING_SHARE` of the widest defect), logarithms of
+prominence and lobe, impulsiveness, rival. All but the spacing have little weight, because the twin
+predicts them poorly. With a quarter of these scales the widths of 548 twins are no more exact
+(4 %), and of 197 trains of impacts, which share nothing with the twin, 0.84 of the 90 % intervals
+hold instead of 0.92."""
 _RIDGE = 0.2
-"""Ridge of the regression. A unit of the spacing is 1/40 of the range, which moves the log odds of
-a width by 0.1 in its middle; no other figure is supposed to move them more. About 75 candidates
-count, whose odds scatter by 0.2, so that the most probable slopes have a ridge of
-0.2 / (0.1 sqrt(75)) = 0.23. One of 0.05, which supposes four times the slopes, followed chance."""
+"""Ridge of the regression. A unit of the spacing is 1/40 of the range and moves the log odds of a
+width by 0.1 in mid-range; no other feature is assumed to move them more. About 75 candidates
+count, whose log odds scatter by 0.2. The most probable slopes then have a ridge of
+0.2 / (0.1 sqrt(75)) = 0.23. A ridge of 0.05, which assumes four times the slopes, fits chance."""
 _UNLIKE = 10.0
 """Distance between a passage that shows two impacts and one that does not."""
 
@@ -66,21 +66,21 @@ class Posterior:
     """Candidates that were kept, with their weights."""
 
     values: dict[str, FloatArray]
-    """A value a candidate of each unknown, shape (kept,)."""
+    """Each unknown: one value per candidate, shape (kept,)."""
     weights: FloatArray
-    """Sum 1, shape (kept,)."""
+    """Weights of the candidates, sum 1, shape (kept,)."""
     prior: dict[str, Unknown]
     distance: float
-    """Of the farthest candidate kept."""
+    """Distance of the farthest kept candidate from the measurement."""
     typical: float
-    """Median of the same distance for candidates in the place of the measurement."""
+    """Median of this distance if candidates take the place of the measurement."""
 
     def quantiles(self, name: str, at: tuple[float, ...] = (0.05, 0.5, 0.95)) -> FloatArray:
         """Quantiles of a quantity, shape of ``at``."""
         return weighted_quantile(self.values[name], self.weights, at)
 
     def or_else(self, other: Posterior) -> Posterior:
-        """Return what is left possible if either of two holds, one as likely as the other."""
+        """Return the mixture of this posterior and another with equal weights."""
         return replace(
             self,
             values={n: np.concatenate([v, other.values[n]]) for n, v in self.values.items()},
@@ -88,7 +88,7 @@ class Posterior:
         )
 
     def narrowed(self, name: str) -> float:
-        """Width of the 90 % interval over that of the prior, in the prior's own measure."""
+        """Return the width of the 90 % interval over that of the prior, on the prior's scale."""
         prior = self.prior[name]
         low, high = prior.share(self.quantiles(name, (0.05, 0.95)))
         return float(high - low) / 0.9
@@ -113,7 +113,7 @@ def weighted_quantile(
 
 def features(summaries: list[Summary], situation: Situation) -> FloatArray:
     """
-    Return what is compared, in units that count alike, shape (n, 5); NaN for no spacing.
+    Return the features that are compared, in units of `_SCALES`, shape (n, 5); NaN: no spacing.
 
     Examples
     --------
@@ -156,9 +156,9 @@ def sample(
     measured: Summary, situation: Situation, *, candidates: int = 384, seed: int = 0
 ) -> Posterior:
     """
-    Draw from the posterior of what is not known about a machine with a defect.
+    Draw from the posterior of the unknown quantities of a machine with a defect.
 
-    In each of two rounds ``candidates`` are simulated.
+    Each of two rounds simulates ``candidates`` machines.
 
     Examples
     --------
@@ -177,7 +177,7 @@ def sample(
     rows = features(summaries, situation)
     width = drawn[WIDTH]
     nearest = np.argsort(distances(rows, goal))[: max(20, int(KEPT * candidates))]
-    # What was kept of few candidates ends too early by about a tenth of its span.
+    # The span of few kept candidates is about a tenth too short.
     low, high = width[nearest].min(), width[nearest].max()
     margin = 0.1 * (high - low) + 0.1
     low, high = max(prior[WIDTH].low, low - margin), min(prior[WIDTH].high, high + margin)
@@ -193,9 +193,9 @@ def limit(
     measured: Summary, situation: Situation, *, candidates: int = 384, seed: int = 0
 ) -> Posterior:
     """
-    Draw from what is left possible where no spacing can be told.
+    Draw from the posterior if no spacing can be determined.
 
-    The spacing is no longer than those that are seen, or than what the record resolves.
+    The spacing is then at most `longest_doubtful`.
 
     Parameters as for :func:`sample`.
 
@@ -216,7 +216,7 @@ def limit(
     kept = np.array([not s.seen or s.spacing <= longest for s in summaries])
     if not kept.any():
         kept[:] = True
-    # Of these, those whose impacts are as sharp and stand out of the noise as much.
+    # Weight them by how well the sharpness and impulsiveness of their impacts match.
     difference = (
         features(summaries, situation)[kept, 2:4] - features([measured], situation)[0, 2:4]
     )
@@ -224,8 +224,7 @@ def limit(
     reach = 1.0001 * max(float(np.quantile(distance, LIKE)), 1e-9)
     weights = np.maximum(1.0 - (distance / reach) ** 2, 0.0)
     if measured.seen:
-        # What is seen is a spacing, or it is ringing and there is none to be seen: one as likely
-        # as the other.
+        # The peak is either a spacing, or ringing and no spacing is seen: both are equally likely.
         spaced = np.array([s.seen for s in summaries])[kept]
         for group in (spaced, ~spaced):
             if weights[group].any():
@@ -238,7 +237,7 @@ def limit(
 
 def supposed(situation: Situation, seed: int) -> Posterior:
     """
-    Draw from the prior: what is left possible where the vibration says nothing of a defect.
+    Draw from the prior, for a vibration that tells nothing about a defect.
 
     Examples
     --------
@@ -260,7 +259,7 @@ def supposed(situation: Situation, seed: int) -> Posterior:
 
 def resolved(measured: Summary) -> float:
     """
-    Shortest spacing of two impacts that is told from the ringing of one, s.
+    Return the shortest spacing of two impacts that is distinguished from ringing of one, s.
 
     Examples
     --------
@@ -275,7 +274,7 @@ def resolved(measured: Summary) -> float:
 
 def longest_doubtful(measured: Summary) -> float:
     """
-    Longest spacing that may be that of a passage where none can be told, s.
+    Return the longest spacing that a passage may have if none can be determined, s.
 
     Examples
     --------
@@ -312,7 +311,7 @@ def keep(
     Parameters
     ----------
     values
-        A value a candidate of each unknown, shape (n,).
+        Each unknown: one value per candidate, shape (n,).
     rows, goal
         `features` of the candidates and of the measurement, shapes (n, 5) and (5,).
     prior
@@ -320,7 +319,7 @@ def keep(
 
     Examples
     --------
-    A width that is the spacing, in its own units, plus chance:
+    A width proportional to the spacing, which has random errors:
 
     >>> from bearing_twin.calibration.candidates.cloud import Unknown
     >>> rng = np.random.default_rng(1)
@@ -356,7 +355,7 @@ def keep(
 
 
 def _regressed(y: FloatArray, difference: FloatArray, weights: FloatArray) -> FloatArray:
-    """Take out of ``y`` what follows the difference of the summaries from the measured ones."""
+    """Remove from ``y`` its linear dependence on the difference from the measured features."""
     root = np.sqrt(weights)[:, None]
     design = np.column_stack([np.ones(len(y)), difference])
     penalty = _RIDGE * np.eye(design.shape[1])

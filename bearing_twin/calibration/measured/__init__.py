@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a record says of its machine, whatever twin is fitted to it."""
+"""Quantities of a record that need no twin: impacts, resonances, noise floor, sensor path."""

@@ -4,9 +4,8 @@
 The path from the bearing to the sensor's samples: its resonances, gain and noise floor.
 
 Machine and twin are each described by a linear prediction (an autoregressive model: a resonance
-is a pair of its poles). A filter that undoes the twin's prediction and applies the machine's makes
-the twin's vibration pass for the machine's: same spectrum, same level, the impacts where they
-were.
+is a pair of its poles). A filter undoes the twin's prediction and applies the machine's. It gives
+the twin's vibration the spectrum and level of the machine's; the impacts keep their times.
 """
 
 from __future__ import annotations
@@ -30,10 +29,10 @@ REACH_S = 5e-3
 MODES_REACH_S = 2.5e-3
 """Half the reach of the autocorrelation whose decays are read."""
 STUDENT = 1.895
-"""95 % of Student's distribution of seven degrees of freedom."""
+"""95 % quantile of Student's t distribution with seven degrees of freedom."""
 _MOST_POLES = 24
 _LEAST_STRENGTH = 0.01
-"""Of a singular value, over the greatest, that counts."""
+"""Least singular value that counts, over the greatest."""
 SEGMENTS = 8
 """Parts of a record whose noise floors are compared."""
 MOST_MODES = 4
@@ -43,8 +42,8 @@ LINE_DAMPING = 0.002
 """Damping below which a pole is a line of the mains or of a drive, not a resonance."""
 _QUIETEST = 0.05
 _BAND_S = 5e-3
-"""Length of the segments of a noise floor's spectrum: bands of 200 Hz, so wide that chance hardly
-chooses among them."""
+"""Length of the segments for the spectrum of the noise floor, s. Its bands of 200 Hz are so wide
+that chance hardly decides which are the quietest."""
 
 
 class Resonance(NamedTuple):
@@ -54,11 +53,11 @@ class Resonance(NamedTuple):
     damping: float
     """Damping ratio."""
     share: float
-    """Of the power of the vibration."""
+    """Share of the power of the vibration."""
 
 
 def _power(x: FloatArray) -> FloatArray:
-    """Power spectrum of a signal that is faded at its ends, zero padded to twice its length."""
+    """Return the power spectrum of a signal, tapered and zero padded to twice its length."""
     window = scipy.signal.windows.tukey(len(x), TAPERED)
     size = fft.next_fast_len(2 * len(x), real=True)
     return np.asarray(np.abs(fft.rfft(window * (x - x.mean()), size)) ** 2 / (window @ window))
@@ -68,7 +67,7 @@ def identify(
     measured: FloatArray, sample_rate: float, twin: FloatArray, noise: float
 ) -> SensorPath:
     """
-    Return the path that makes a twin's vibration pass for the measured one.
+    Return the path that gives a twin's vibration the spectrum and level of the measured one.
 
     Parameters
     ----------
@@ -77,9 +76,9 @@ def identify(
     sample_rate
         Hz, of both.
     twin
-        Acceleration of the housing of the twin without noise and resonance, m/s^2, shape (m,).
+        Acceleration of the twin's housing without noise and resonance, m/s^2, shape (m,).
     noise
-        White noise to be added to it, m/s^2.
+        RMS of the white noise added to it, m/s^2.
 
     Examples
     --------
@@ -118,9 +117,10 @@ def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]
     """
     5 %, median and 95 % of the density of the quietest twentieth of a spectrum, per root Hz.
 
-    The quietest bands of all parts of the record but one are measured in that one: its own would
-    be the luckiest. Chance still chooses, in half of the record about twice as much as in all of
-    it, which is taken off. Without each part once (a jackknife), it scatters as it is uncertain.
+    Each part of the record is measured in the bands that are quietest in the other parts: its own
+    quietest bands would be quiet by chance. The bias that remains is about twice as large in half
+    of the record as in all of it; the difference is subtracted. The interval is from a jackknife
+    over the parts.
 
     Examples
     --------
@@ -136,7 +136,7 @@ def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]
             for part in np.array_split(x, SEGMENTS)
         ]
     )
-    # The mean that is taken off each segment takes from the lowest lines too.
+    # Removing the mean of each segment weakens the lowest lines too.
     density = density[:, 4 : int(HIGH_SHARE * density.shape[1])]
     halves = itertools.combinations(range(SEGMENTS), SEGMENTS // 2)
     by_chance = np.mean([_quietest(density[list(half)]) for half in halves]) - _quietest(density)
@@ -148,7 +148,7 @@ def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]
 
 
 def _quietest(density: FloatArray) -> float:
-    """Mean density of each part in the bands that are quietest in the others, shape (parts, n)."""
+    """Mean over parts of the density, (parts, n), in the bands that are quietest in the others."""
     others = density.sum(axis=0) - density
     quiet = others <= np.quantile(others, _QUIETEST, axis=1, keepdims=True)
     return float(np.mean([part[where].mean() for part, where in zip(density, quiet, strict=True)]))
@@ -159,8 +159,8 @@ def resonances(x: FloatArray, sample_rate: float) -> list[Resonance]:
     Return the resonances of a record, strongest first.
 
     Covariance-driven stochastic subspace identification (Peeters and De Roeck, Mech. Syst. Signal
-    Process. 1999, 13, 855): the autocorrelation of what resonances make of noise is a sum of their
-    free decays. Lag zero, which has the noise of the sensor, is left out.
+    Process. 1999, 13, 855): the autocorrelation of resonances that noise excites is a sum of their
+    free decays. Lag zero, which contains the noise of the sensor, is left out.
 
     Examples
     --------

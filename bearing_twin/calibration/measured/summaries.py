@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a vibration says about a defect, whatever gain and resonances the sensor's path has.
+Summaries of the impacts in a vibration that do not depend on gain and resonances of the path.
 
-The signal is whitened by a linear prediction that reaches over about a millisecond: that takes out
-the ringing of the path and leaves the impacts (Sawalhi and Randall, Mech. Syst. Signal Process.
-2011, 25, 846). The autocorrelation of its squared envelope has a peak at the time between the two
-impacts of a passage. Times become distances on the race, so that speed drops out.
+A linear prediction over about a millisecond whitens the signal. This removes the ringing of the
+path and leaves the impacts (Sawalhi and Randall, Mech. Syst. Signal Process. 2011, 25, 846). The
+autocorrelation of its squared envelope has a peak at the time between the impacts of a passage.
 """
 
 from __future__ import annotations
@@ -22,32 +21,32 @@ from scipy import fft
 FloatArray = npt.NDArray[np.float64]
 
 MEMORY_S = 1.2e-3
-"""Reach of the linear prediction: the ringing of a path of 2 kHz with a damping of 4 % has fallen
-to half in it, and a comb of impacts some mm apart has too few lines for it."""
+"""Reach of the linear prediction, s. Ringing at 2 kHz with a damping of 4 % falls to half in it,
+and it is too short to predict the second of two impacts that are some mm apart."""
 TAPERED = 0.1
-"""Share of a record over which its ends are faded for the spectrum that is predicted from."""
+"""Share of a record that is tapered at its ends for the spectrum of the prediction."""
 LOW_SHARE, HIGH_SHARE = 0.04, 0.86
-"""Band of the envelope over half the sample rate: without the shaft's and the gears' lines below,
-and the flank of the anti-aliasing filter above."""
+"""Band of the envelope over half the sample rate: above the lines of shaft and gears, below the
+flank of the anti-aliasing filter."""
 RINGS_DB = 6.0
-"""Least prominence of a resonance in the spectrum of a prediction."""
+"""Least prominence of a resonance in the spectrum of a prediction, dB."""
 _FREQUENCIES = 8192
 _WITHIN = 0.75
-"""Reach of that prediction over the time between two impacts."""
+"""Reach of this prediction over the time between two impacts: see `fastest_resonance`."""
 SIGNIFICANT = 10.0
-"""Least prominence of a peak over the scatter of the autocorrelation where it has none: from
-trough to peak noise makes 8 among some hundred lags."""
+"""Least prominence of a peak over the scatter of the autocorrelation where it has none. Noise
+reaches 8 from trough to peak among some hundred lags."""
 CLEAR = 3.6
-"""Shortest lag of a peak over the half width of the peak at zero: before it the sides of that peak
-pass for second impacts."""
+"""Shortest lag of a peak over the half width of the peak at zero. At shorter lags, the sides of
+that peak look like second impacts."""
 FAINTEST = 0.015
 """Least prominence of a peak: a second impact of an eighth of the energy of the first."""
 RIVAL = 0.25
-"""Most that a second spacing may be as clear as the first. Fixed on CWRU, as is
-`posterior.RESOLVED`: spots of 0.18 mm leave a second impact after 2.0 ms at any speed, beside
-another a third as clear."""
+"""Largest prominence of a second spacing over that of the first. Set on CWRU, like
+`posterior.RESOLVED`: spots of 0.18 mm leave a second impact after 2.0 ms at any speed, and another
+one a third as prominent."""
 ELSEWHERE = 1.25
-"""Ratio of two lags from which on they are not those of one passage: a peak may be double."""
+"""Least ratio of two lags that count as different spacings: one peak may be double."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,19 +56,19 @@ class Correlation:
     values: FloatArray
     """1 at zero lag, circular, shape (n,)."""
     rate: float
-    """Hz."""
+    """Lags per second, Hz."""
     impulsiveness: float
 
     def highest(self, lag: float, reach: float) -> tuple[float, float]:
         """
-        Return where the autocorrelation is highest near a lag, and how far over what is about it.
+        Return where the autocorrelation is highest near a lag, s, and its height over the median.
 
         Parameters
         ----------
         lag
-            s.
+            Centre of the search, s.
         reach
-            Farthest from it, s; what is about it is six times as far.
+            Half width of the search, s. The median is over six times as much.
 
         """
         at, near = lag * self.rate, max(2.0, reach * self.rate)
@@ -80,7 +79,7 @@ class Correlation:
         return (first + highest) / self.rate, float(values[highest] - np.median(about))
 
     def summary(self, longest: float) -> Summary:
-        """Summarise the lags of a passage."""
+        """Summarise the lags up to ``longest``, s."""
         rate = self.rate
         last = min(int(longest * rate) + 1, len(self.values) // 4)
         near, beyond = self.values[:last], self.values[last : 2 * last]
@@ -105,7 +104,7 @@ class Correlation:
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """Autocorrelation of the squared envelope of the whitened signal, and what it shows."""
+    """Autocorrelation of the squared envelope of the whitened signal, and its peaks."""
 
     lag: FloatArray
     """s, shape (n,)."""
@@ -114,9 +113,9 @@ class Summary:
     spacing: float
     """Lag of the clearest peak beside zero, s; NaN if none is significant."""
     prominence: float
-    """Of that peak; 0 if there is none."""
+    """Prominence of that peak; 0 if there is none."""
     rival: float
-    """Prominence of the clearest peak at another lag, a shorter one too, over that; 0 if none."""
+    """Prominence of the clearest other peak, also at shorter lags, over that; 0 if none."""
     rivals: tuple[float, ...]
     """Other lags with a peak more than `RIVAL` as prominent, s."""
     lobe: float
@@ -143,9 +142,9 @@ class Summary:
 
 def levinson(power: FloatArray, order: int) -> tuple[FloatArray, float]:
     """
-    Linear prediction of a signal with a power spectrum: its error filter and the error's power.
+    Return the prediction error filter of a signal with a power spectrum, and the error's power.
 
-    Yule-Walker equations by Levinson's recursion.
+    The Yule-Walker equations are solved by Levinson's recursion.
 
     Parameters
     ----------
@@ -184,7 +183,7 @@ def squared_envelope(x: FloatArray, sample_rate: float) -> tuple[FloatArray, flo
 
     """
     x = x - x.mean()
-    # Not circular: the jump from the end of a record to its start would be the greatest impact.
+    # Not circular: the jump from the end of a record to its start would look like an impact.
     whitened = scipy.signal.oaconvolve(x, _prediction(x, sample_rate, MEMORY_S), 'valid')
     n = fft.prev_fast_len(len(whitened), real=True)
     spectrum = fft.rfft(whitened[:n])
@@ -192,14 +191,14 @@ def squared_envelope(x: FloatArray, sample_rate: float) -> tuple[FloatArray, flo
     low, high = (int(share * half * n / sample_rate) for share in (LOW_SHARE, HIGH_SHARE))
     # A one-sided band gives the analytic signal; room for twice the band holds its square.
     size = fft.next_fast_len(2 * (high - low))
-    # The taper lowers the sides of an impact's own peak.
+    # The taper lowers the side lobes of an impact.
     taper = scipy.signal.windows.tukey(high - low, 0.5)
     envelope = np.abs(fft.ifft(taper * spectrum[low:high], size)) ** 2
     return envelope, size * sample_rate / n
 
 
 def _prediction(x: FloatArray, sample_rate: float, reach: float) -> FloatArray:
-    """Error filter of a linear prediction that reaches over some seconds."""
+    """Return the error filter of a linear prediction over ``reach``, s."""
     tapered = scipy.signal.windows.tukey(len(x), TAPERED) * x
     power = np.abs(fft.rfft(tapered, fft.next_fast_len(len(x), real=True))) ** 2
     return levinson(power, max(8, round(reach * sample_rate)))[0]
@@ -207,13 +206,13 @@ def _prediction(x: FloatArray, sample_rate: float, reach: float) -> FloatArray:
 
 def fastest_resonance(x: FloatArray, sample_rate: float, spacing: float) -> float:
     """
-    Highest frequency at which the impacts of a signal without a mean ring, Hz; NaN if none.
+    Return the highest resonance frequency that the impacts of a signal excite, Hz; NaN if none.
 
-    It is that of the highest peak in the spectrum of a prediction of the jerk, in which a rotor
-    that rings on its balls is weaker. The prediction reaches over less than the time between two
-    impacts: one that reaches over all of it has the comb of the pair, whose highest tooth passes
-    for a resonance. Of 160 simulated pairs 0.3 to 2 ms apart, half of them beside a rotor that
-    rings below 1 kHz, 142 are found to a tenth and one is too high.
+    The signal has no mean. The resonances are peaks in the spectrum of a linear prediction of the
+    jerk, in which the resonance of the rotor on its balls is weaker. The prediction is shorter
+    than the time between two impacts, ``spacing``, s: otherwise the harmonics of the pair look
+    like resonances. Of 160 simulated pairs 0.3 to 2 ms apart, half of them beside a rotor that
+    rings below 1 kHz, 142 are found within a tenth and one is too high.
 
     Examples
     --------
@@ -237,14 +236,14 @@ def fastest_resonance(x: FloatArray, sample_rate: float, spacing: float) -> floa
 
 def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
     """
-    Return how coherent two impacts are: 1 if the second is a copy of the first, -1 for an inverse.
+    Return how alike two impacts are: 1 if the second is a copy of the first, 0.2 for an inverse.
 
-    The greatest autocorrelation of the whitened signal itself at the time between the impacts,
-    over that of copies. If the second is a times as high, copies have a / (1 + a^2), and those of
-    the squared envelope a^2 / (1 + a^4), which is the prominence p: so the first is
-    sqrt(p / (1 + 2 p)), however strong the second is. Noise takes from it.
+    It is the greatest autocorrelation of the whitened signal near the time between the impacts,
+    over the value for copies. If the second is a times as high, copies have a / (1 + a^2), and
+    their squared envelope a^2 / (1 + a^4), the prominence p. The value for copies is therefore
+    sqrt(p / (1 + 2 p)) for any a. Noise lowers it.
 
-    The samples have no mean, and their summary a second impact.
+    The samples have no mean, and ``measured`` has a second impact.
 
     Examples
     --------
@@ -272,7 +271,7 @@ def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
 
 def correlate(x: FloatArray, sample_rate: float) -> Correlation:
     """
-    Correlate the squared envelope of a vibration with itself.
+    Return the autocorrelation of the squared envelope of a vibration.
 
     Examples
     --------
@@ -288,7 +287,7 @@ def correlate(x: FloatArray, sample_rate: float) -> Correlation:
     square = float((envelope * envelope).mean())
     if square <= 0.0:
         square = math.inf
-    # Circular: the ends meet in one of many passages.
+    # Circular: the jump at the ends affects one of many passages.
     values = fft.irfft(np.abs(fft.rfft(envelope)) ** 2, size) / (size * square)
     impulsiveness = math.log10(1.0 + square / max(mean * mean, 1e-300))
     return Correlation(values=values, rate=rate, impulsiveness=impulsiveness)
@@ -317,9 +316,9 @@ def summarise(x: FloatArray, sample_rate: float, longest: float) -> Summary:
 def _peak(
     correlation: FloatArray, scatter: float, rate: float, shortest: float
 ) -> tuple[float, float, float, tuple[float, ...]]:
-    """Lag and prominence of the clearest peak from a lag on, of its rival over it, and rivals."""
+    """Return lag and prominence of the clearest peak, its rival over it, and all rivals."""
     peaks, found = scipy.signal.find_peaks(correlation, prominence=FAINTEST / 4.0)
-    # A shorter lag is no spacing that is told, but where it is as clear it may be the true one.
+    # A lag below the shortest is no spacing, but a clear peak there is a rival.
     prominences = found['prominences']
     if not len(peaks):
         return math.nan, 0.0, 0.0, ()
