@@ -386,16 +386,18 @@ SUMMARIES: dict[str, Callable[[int], bytes]] = {
 
 @pytest.mark.parametrize('kind', SUMMARIES)
 def test_a_summary_of_small_records_costs_what_its_size_allows(tmp_path: Path, kind: str) -> None:
-    path = tmp_path / 'a.mcap'
-    written = write_blocks(path, 5)
-    content = path.read_bytes()
+    path, sound = tmp_path / 'a.mcap', tmp_path / 'sound.mcap'
+    written = write_blocks(sound, 5)
+    content = sound.read_bytes()
     # The statistics stay the last ones.
-    start, _ = summary_place(path.open('rb'), len(content))
-    one, size = SUMMARIES[kind], 20_000_000
+    start, _ = summary_place(sound.open('rb'), len(content))
+    one, size = SUMMARIES[kind], 5_000_000
     junk = b''.join(map(one, range(size // len(one(0)))))
     path.write_bytes(
         content[:start] + junk + content[start:-28] + struct.pack('<QQI', start, 0, 0) + MAGIC
     )
+    # What a process does once is done.
+    examine(sound)
     began = time.process_time()
     info, health = examine(path)
     took = time.process_time() - began

@@ -142,7 +142,9 @@ def test_one_flipped_bit_costs_one_chunk(tmp_path: Path, finished: bool, compres
         content = content[: last + 10]
     rng = random.Random(9)
     # Up to the head of the first chunk byte for byte, then anywhere in it and anywhere at all.
-    places = [*range(begin + 60), *(rng.randrange(begin, end) for _ in range(10))]
+    # Compressed or not, the file is the same up to there.
+    places = [*range(begin + 60)] if compression == 'zstd' else []
+    places += [rng.randrange(begin, end) for _ in range(10)]
     places += [rng.randrange(last) for _ in range(20)]
     for at in places:
         kept, report = kept_of(flipped(content, at, rng.randrange(8)), tmp_path)
@@ -442,7 +444,7 @@ def test_a_pipe_or_a_device_is_no_recording(kind: str, tmp_path: Path) -> None:
         {0x06: bytes(40), 0x09: bytes(36), 0x03: b'\x09' + bytes(13)},
     ],
 )
-def test_millions_of_empty_records_are_stepped_over_and_what_follows_is_read(
+def test_hundreds_of_thousands_of_empty_records_are_stepped_over_and_what_follows_is_read(
     tmp_path: Path, kinds: dict[int, bytes]
 ) -> None:
     sound = tmp_path / 'sound.mcap'
@@ -453,7 +455,7 @@ def test_millions_of_empty_records_are_stepped_over_and_what_follows_is_read(
     empty = b''.join(
         bytes([kind]) + len(body).to_bytes(8, 'little') + body for kind, body in kinds.items()
     )
-    empty *= 20_000_000 // len(empty)
+    empty *= 5_000_000 // len(empty)
     path = tmp_path / 'many.mcap'
     path.write_bytes(whole[:begin] + empty + whole[begin:])
     began = time.process_time()
