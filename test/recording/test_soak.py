@@ -41,7 +41,7 @@ def test_two_minutes_offline(tmp_path: Path) -> None:
     assert max(memory[middle:]) - max(memory[:middle]) < MOST_GROWTH
 
 
-def operate(seconds: float, folder: Path, domain: int) -> None:
+def operate(seconds: float, folder: Path, domain: int, most_growth: float) -> None:
     report = soak(seconds, 60.0, folder, domain=domain, show=seconds > 3600.0)
     print(summary(report))
     assert report.operated >= seconds
@@ -58,15 +58,15 @@ def operate(seconds: float, folder: Path, domain: int) -> None:
     assert all(0.0 <= lag <= AHEAD['twin'] for lag in report.lag), report.lag
     assert report.verdicts.keys() == {'BEARING_OUTER_RACE'}
     for node in NODES:
-        assert report.growth(node) * 1e6 < MOST_GROWTH, node
+        assert report.growth(node) * 1e6 < most_growth, node
 
 
 @pytest.mark.ros
-def test_ten_minutes_of_the_nodes(ros_domain: int, tmp_path: Path) -> None:
-    operate(600.0, tmp_path, ros_domain)
+def test_five_minutes_of_the_nodes(ros_domain: int, tmp_path: Path) -> None:
+    operate(300.0, tmp_path, ros_domain, MOST_GROWTH / 2)
 
 
 @pytest.mark.ros
 @pytest.mark.soak
 def test_a_day_of_the_nodes(ros_domain: int, tmp_path: Path) -> None:
-    operate(86400.0, tmp_path, ros_domain)
+    operate(86400.0, tmp_path, ros_domain, MOST_GROWTH)
