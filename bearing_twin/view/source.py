@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the vibration of a bearing is simulated or measured, by what, and of what machine."""
+"""Source of a bearing's vibration: simulated or measured, by what, and on what machine."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ PLACE = {'inner': 'inner race', 'outer': 'outer race', 'ball': 'ball', 'cage': '
 
 
 class Source:
-    """What the vibration itself says of its source, the twin that made it, and the machine."""
+    """Source of vibration, from its messages and the parameters of twin and diagnosis."""
 
     def __init__(self) -> None:
         self._twin = ''
         self.frame = ''
-        """Frame of the vibration: the sensor."""
+        """``frame_id`` of the vibration: the sensor."""
         self.zones: tuple[Limit, ...] = (LOUD,)
-        """Velocities at which the zones of the machine begin."""
+        """Velocities in mm/s at which the zones of the machine begin."""
         self._sources: set[int] = set()
 
     def vibration(self, message: Any) -> None:
@@ -43,7 +43,7 @@ class Source:
         self._sources.add(int(getattr(message, 'source', SOURCE_UNKNOWN)))
 
     def forget_vibration(self) -> None:
-        """Begin anew with the vibration."""
+        """Forget the vibration messages taken so far."""
         self._sources.clear()
 
     def checkpoint(self, message: Any) -> None:
@@ -61,7 +61,7 @@ class Source:
 
     @property
     def text(self) -> str:
-        """In words; '' while there is no vibration."""
+        """Source in words; '' while there is no vibration."""
         if not self._sources:
             return ''
         if SOURCE_SIMULATED in self._sources:
@@ -72,9 +72,9 @@ class Source:
 
 def fleet_tables(node: str, kind: str, values: Any) -> dict[str, Any]:
     """
-    Return the parameters of each asset of a fleet by its namespace; none for another node.
+    Return the parameters of each asset of a fleet by its namespace; empty for other nodes.
 
-    The assets lie beside the node, not below it as the topic of its checkpoint does.
+    The namespaces are beside the node, not below it like the topic of its checkpoint.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def fleet_tables(node: str, kind: str, values: Any) -> dict[str, Any]:
 
 
 def bearing_in_words(name: str, *, orders: bool = False) -> str:
-    """Return geometry, and fault orders, of a bearing of the catalogue; of another its name."""
+    """Return geometry, and fault orders, of a catalogued bearing; of any other its name."""
     try:
         b = find_bearing(name)
     except BearingTwinError:
@@ -105,7 +105,7 @@ def bearing_in_words(name: str, *, orders: bool = False) -> str:
 
 
 def twin_in_words(values: Any) -> str:
-    """Return preset and defects of the parameters of a twin."""
+    """Return preset and defects of a twin in words."""
     try:
         defects = build_parameters(values).defects
         text = ', '.join(f'{PLACE[d.place]} {1e3 * d.width:.2g} mm' for d in defects)

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a picture of a spectrum shows, prepared once for the viewer, the report and ``--plot``.
+Data of a drawn spectrum, prepared once for the viewer, the report and ``--plot``.
 
-A defect on the inner ring passes the load once a turn, one on a ball once a turn of the cage:
-their harmonics have sidebands at the shaft speed and at the FTF (Randall and Antoni, Mechanical
-Systems and Signal Processing 25, 2011, section 2).
+A defect on the inner ring passes the load zone once per revolution of the shaft, a defect on a
+ball once per revolution of the cage: their harmonics have sidebands at the shaft speed and at the
+FTF (Randall and Antoni, Mechanical Systems and Signal Processing 25, 2011, section 2).
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ if TYPE_CHECKING:
 ENVELOPE = 'squared_envelope_spectrum'
 HARMONICS = 4
 CHANCE = 1e-3
-"""Part of the bins of noise alone that lies above the threshold."""
+"""Fraction of the bins of noise that lies above the threshold."""
 ZOOM_BINS = 20
-"""Least bins on either side of the first harmonic in the zoom."""
+"""Least number of bins on either side of the first harmonic in the zoom."""
 
 
 @dataclass(frozen=True)
 class Comb:
-    """Where one family of lines lies."""
+    """Harmonics and sidebands of a fault family or of the shaft."""
 
     family: str
-    """Of ``FAMILIES``, or ``'shaft'``."""
+    """Key of ``FAMILIES``, or ``'shaft'``."""
     found: bool
-    """Measured in this window, or nominal: from the geometry, without slip."""
+    """Whether it was measured in this window; else nominal: from the geometry, without slip."""
     fundamental: float
-    """Hz."""
+    """Fundamental frequency, Hz."""
     sideband: float
     """Distance of the sidebands from each harmonic, Hz; 0: none."""
 
@@ -52,7 +52,7 @@ class Comb:
         return f'{name}{kind} {self.fundamental:.2f} Hz'
 
     def harmonics(self, top: float = math.inf) -> NDArray[np.floating]:
-        """Return the first harmonics up to ``top``, Hz; of the shaft all of them."""
+        """Return the first four harmonics up to ``top``, Hz; of the shaft all of them."""
         count = HARMONICS
         if self.family == 'shaft' and math.isfinite(top):
             count = int(top / self.fundamental)
@@ -69,9 +69,9 @@ class Comb:
 
 def combs(spectrum: Any, diagnosis: Any = None) -> list[Comb]:
     """
-    Return the combs of a spectrum: nominal ones of every family, the shaft's, the one found.
+    Return the combs of a spectrum: a nominal one of every family, the shaft's, the one found.
 
-    The nominal frequencies are those of the Spectrum message; what is found, of its Diagnosis.
+    Nominal frequencies come from the Spectrum message, the one found from its Diagnosis.
     """
     side = {'inner': spectrum.shaft_hz, 'ball': spectrum.ftf}
     base = {place: impacts(spectrum, place) for place in PLACES} | {'shaft': spectrum.shaft_hz}
@@ -94,28 +94,28 @@ class SpectrumPicture:
     """
     A spectrum ready to be drawn.
 
-    Everything is cut at `top`, the range in which the harmonics lie.
+    It has the whole range of frequencies; `cut`, `deciding` and `zoom` return parts.
     """
 
     title: str
-    """With the demodulated band of an envelope spectrum."""
+    """Title; of an envelope spectrum with the demodulated band."""
     quantity: str
-    """What the values are, with their unit."""
+    """Name and unit of the values."""
     start: float
     """Frequency of the first value, Hz."""
     spacing: float
-    """Between values, Hz."""
+    """Distance between values, Hz."""
     values: NDArray[np.float64]
     """
-    Amplitudes. Of an envelope spectrum: the modulation index of each line, which is twice the root
-    of its power, so that a line at the limit of the index makes a fault alone.
+    Amplitudes. In an envelope spectrum: the modulation index of each line, which is twice the root
+    of its power. A single line at the limit of the index is then enough for a fault.
     """
     floor: NDArray[np.float64]
-    """Local noise floor of the values; empty where none."""
+    """Local noise floor of the values; empty if there is none."""
     threshold: NDArray[np.float64]
-    """Height that one bin in a thousand of noise passes; empty where there is no floor."""
+    """Value that one bin of noise in a thousand exceeds; empty if there is no floor."""
     band: tuple[float, float]
-    """Demodulated band, Hz; (0, 0) where none."""
+    """Demodulated band, Hz; (0, 0) if there is none."""
     combs: list[Comb]
 
     @classmethod
@@ -161,7 +161,7 @@ class SpectrumPicture:
 
     @property
     def found(self) -> Comb | None:
-        """The comb that was found."""
+        """The comb that was found, if any."""
         return next((comb for comb in self.combs if comb.found), None)
 
     def cut(self, low: float, high: float) -> SpectrumPicture:
@@ -183,10 +183,11 @@ class SpectrumPicture:
 
     def zoom(self) -> SpectrumPicture | None:
         """
-        Return the neighbourhood of the first harmonic found; None where nothing is found.
+        Return the neighbourhood of the first harmonic found; None if nothing is found.
 
-        It holds the nominal one, and is 5 or 25 times a power of ten wide: on a laptop's screen
-        Rerun numbers an axis at powers of ten, and less than two such steps may have one number.
+        It includes the nominal harmonic and is 5 or 25 times a power of ten wide: on a laptop's
+        screen Rerun numbers an axis at powers of ten, and a range of less than two such steps may
+        have only one number.
         """
         found = self.found
         if found is None:
@@ -207,7 +208,7 @@ def low_high(values: NDArray[np.float64], edges: NDArray[np.integer]) -> NDArray
 
 def highest(values: NDArray[np.float64], most: int) -> tuple[NDArray[np.int64], int]:
     """
-    Return the indices of at most ``most`` values, each the highest of its group, and the group.
+    Return at most ``most`` indices, each of the highest value of its group, and the group size.
 
     Peaks keep their frequency and height however few points are drawn.
     """

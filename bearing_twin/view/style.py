@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Colours and names that every view shares: one fault family, one colour, everywhere."""
+"""Colours and names that all views share: a fault family has one colour everywhere."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bearing_twin.bearing.vocabulary import RESULTS, TITLES
 
 PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Calibration', 'Nodes')
-"""Pages of a bearing, each of them for a laptop's screen."""
+"""Pages of a bearing, each of which fits a laptop's screen."""
 
 APPLICATION = 'bearing_twin'
 """Rerun keeps a blueprint per application."""
@@ -19,7 +19,7 @@ Colour = tuple[int, int, int]
 
 
 class Family(NamedTuple):
-    """A fault family as it is drawn."""
+    """Names and colour of a fault family."""
 
     key: str
     """Name of its entities."""
@@ -35,13 +35,13 @@ class State(NamedTuple):
     colour: Colour
 
 
-# Middle lightness throughout: to be told apart on a dark and on a light ground.
+# All colours have medium lightness, to be distinct on dark and on light backgrounds.
 def held(top: float, part: float) -> float:
     """
-    Return the power of ten that an axis up to ``top`` has to hold to have a number beside 0.
+    Return the power of ten that an axis up to ``top`` must include to have a number beside 0.
 
-    The viewer numbers an axis at each tenth of a power of ten while there is room, which is up to
-    ``part`` of it, and else at the power itself. 0 where nothing has to be held.
+    The viewer numbers each tenth of a power of ten on an axis up to ``part`` of that power, and
+    only the power itself on a longer one. 0 means that the axis need not include more.
 
     Examples
     --------
@@ -72,15 +72,15 @@ _VERDICT_COLOURS: dict[str, Colour] = {
 }
 VERDICTS = tuple(State(key, TITLES[key], _VERDICT_COLOURS[key]) for key in RESULTS)
 """
-By the constants of Diagnosis.result. Green is healthy, grey is none, all else wants a look.
+States by the constants of Diagnosis.result. A fault has the colour of its lines.
 
-A fault has the colour of its lines.
+Green is healthy, grey is no verdict, all others need attention.
 """
 
 
 def ink(ground: Colour) -> str:
     """
-    Return the colour of letters that can be read on a ground.
+    Return a colour in which letters can be read on a background.
 
     Examples
     --------
@@ -100,7 +100,7 @@ TEMPERATURE_STATES = (
     State('clamped', 'temperature outside 20..110 °C', (230, 81, 0)),
     State('backwards', 'temperature stamps run backwards', (211, 47, 47)),
 )
-"""By the constants of TwinState.temperature_status."""
+"""States by the constants of TwinState.temperature_status."""
 
 LANE_LEVELS = (
     State('ok', 'ok', (56, 142, 60)),
@@ -108,7 +108,7 @@ LANE_LEVELS = (
     State('error', 'error', (211, 47, 47)),
     State('stale', 'stale', (117, 117, 117)),
 )
-"""By the level of a DiagnosticStatus."""
+"""States by the level of a DiagnosticStatus."""
 
 LINE: dict[str, Colour] = {
     'blue': (66, 165, 245),
@@ -125,4 +125,4 @@ LINE: dict[str, Colour] = {
     'grid': (40, 40, 40),
     'back': (13, 13, 13),
 }
-"""Colours of lines, by the names that titles give them or by what they show."""
+"""Colours of lines by their name in titles or by their purpose."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Quantities over time: what the viewer and the report plot of a message. One line a quantity."""
+"""Quantities over time that the viewer and the report plot, one line per quantity."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def recorded(message: Any, field: str, index: int | None = None) -> float:
     """
     Return a number of a message, or an element of a list of numbers.
 
-    NaN where the message has no such field, element or number: a recording brings its own
-    definition of a type, which may be older or newer than this version's.
+    NaN if the message has no such field, element or number: a recording contains its own type
+    definitions, which may be older or newer than those of this version.
 
     Examples
     --------
@@ -38,7 +38,7 @@ def recorded(message: Any, field: str, index: int | None = None) -> float:
 
 
 class Trend(NamedTuple):
-    """One quantity as it is plotted."""
+    """One plotted quantity."""
 
     key: str
     """Name of its entity."""
@@ -46,9 +46,9 @@ class Trend(NamedTuple):
     """Name and unit."""
     colour: Colour
     field: str
-    """Of the message."""
+    """Field of the message."""
     scale: float = 1.0
-    """Unit of the message in the unit of the label."""
+    """Factor from the unit of the message to that of the label."""
     element: int | None = None
     """Element of a field that is a list."""
     other: tuple[str, float] = ('', 1.0)
@@ -60,7 +60,7 @@ class Trend(NamedTuple):
         return f'{self.label} {next(name for name in LINE if LINE[name] == self.colour)}'
 
     def value(self, message: Any) -> float:
-        """Return what is plotted of a message; NaN where the quantity does not exist."""
+        """Return the plotted value of a message; NaN if the quantity does not exist."""
         value = self.scale * recorded(message, self.field, self.element)
         field, scale = self.other
         if not field:
@@ -70,12 +70,12 @@ class Trend(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """A level that decides."""
+    """A limit in a panel."""
 
     label: str
     value: float
     mark: str = ''
-    """Written at its right end on a page."""
+    """Text at its right end in the report."""
     look: str = 'limit'
     """Name of its colour."""
 
@@ -88,7 +88,7 @@ def zone_limits(power_group: object, mounting: object) -> tuple[Limit, ...]:
     """
     Return the velocities in mm/s at which the zones of ISO 20816-3 begin.
 
-    Where group or mounting is not known, only the one that is in zone D for every machine.
+    If group or mounting is not known: only the limit of zone D for every machine.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def zone_limits(power_group: object, mounting: object) -> tuple[Limit, ...]:
     [('D', 11.0)]
 
     """
-    # Compared, not looked up: a recording may hold anything.
+    # Compared, not looked up: values in a recording may be unhashable.
     limits = next((v for key, v in ISO_LIMITS.items() if key == (power_group, mounting)), None)
     if limits is None:
         return (LOUD,)
@@ -114,32 +114,32 @@ class Panel:
 
     key: str
     title: str
-    """With the unit, where all quantities share one; ``[unit]`` is that of the message."""
+    """Title with the unit if all quantities share it; ``[unit]`` is that of the message."""
     trends: tuple[Trend, ...]
-    """Where the first has no values there is no panel: the others only say more of it."""
+    """If the first has no values there is no panel: the others only supplement it."""
     limits: tuple[Limit, ...] = ()
     from_zero: bool = False
     band: tuple[str, ...] = ()
-    """Keys of the two quantities between which a page is filled."""
+    """Keys of the two quantities between which the report fills the area."""
 
     @property
     def besides(self) -> tuple[Trend, ...]:
-        """What a title has to name, since it is that of the first quantity."""
+        """Quantities that a title has to name, since it is that of the first."""
         others = () if self.band else self.trends[1:]
         return tuple(trend for trend in others if trend.field not in PER_FAMILY)
 
     @property
     def named(self) -> str:
-        """Title with the colours of all quantities but the first: a legend covers lines."""
+        """Title with name and colour of these quantities: a legend would cover lines."""
         return ', '.join([self.title, *(trend.named for trend in self.besides)])
 
 
 PER_FAMILY = ('score', 'modulation_index')
-"""Fields with one element a fault family, whose colours are the same everywhere."""
+"""Fields with one element per fault family, whose colours are the same everywhere."""
 
 
 def _per_family(field: str) -> tuple[Trend, ...]:
-    """Return the elements of a field with one element a fault family."""
+    """Return the trends of a field with one element per fault family."""
     return tuple(
         Trend(family.key, family.label, family.colour, field, element=k)
         for k, family in enumerate(FAMILIES)
@@ -178,7 +178,7 @@ TWIN_STATE = (
         ),
     ),
 )
-"""Of a TwinState."""
+"""Panels of a TwinState."""
 
 OVER_LIMITS = Panel(
     'over_limits',
@@ -205,7 +205,7 @@ OVER_LIMITS = Panel(
     ),
     from_zero=True,
 )
-"""Of a Diagnosis: a fault needs significance and modulation index, so the lower one decides."""
+"""Panel of a Diagnosis: a fault needs significance and modulation index: the lower decides."""
 
 DIAGNOSIS = (
     Panel(
@@ -250,7 +250,7 @@ DIAGNOSIS = (
         ),
     ),
 )
-"""Of a Diagnosis."""
+"""Panels of a Diagnosis."""
 
 CALIBRATION = (
     Panel(
@@ -281,4 +281,4 @@ CALIBRATION = (
         from_zero=True,
     ),
 )
-"""Of a Calibration."""
+"""Panels of a Calibration."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a verdict says to people, and which verdict of a recording is its headline."""
+"""Verdicts in words, and the headline verdict of a recording."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from bearing_twin.stamps import stamp_ns, time_unit
 from bearing_twin.view.trends import recorded
 
 SUSTAINED = 3
-"""Windows in a row from which on a verdict is no passing one."""
+"""Consecutive windows from which on a verdict is sustained."""
 NO_LEVEL = 3
 """Constant ``LEVEL_NONE`` of a Diagnosis."""
 OK, SUSPECT, FAULT = 0, 1, 2
@@ -29,13 +29,13 @@ OK, SUSPECT, FAULT = 0, 1, 2
 RANKS: dict[float, int] = {NO_LEVEL: 0, OK: 1, 1: 2, FAULT: 3}
 """Rank of the constants ``LEVEL_...``: none, ok, suspect, fault."""
 RIVAL = 0.7
-"""Part of the significance of the family named from which another one is a rival."""
+"""Fraction of the named family's significance from which another family is a rival."""
 CLOSE = 0.02
-"""Distance from a sideband at which a line may be one, the range of slip."""
+"""Relative distance within which a line may be a sideband: the range of slip."""
 
 
 def title_of(diagnosis: Any) -> str:
-    """Return the heading of a verdict: the answer's own word, and the places that it names."""
+    """Return the heading of a verdict: its result and the places that it names."""
     result = str(diagnosis.result_name)
     title = TITLES.get(result, result)
     places = [name_of(place) for place in getattr(diagnosis, 'faults', ()) if place in PLACES]
@@ -44,7 +44,7 @@ def title_of(diagnosis: Any) -> str:
     if result in ('suspect', 'ambiguous') and places:
         return f'{title}: {" or ".join(places)}'
     if result == 'ambiguous' and diagnosis.level == FAULT:
-        # The vibration alone tells, as that of a worn-out bearing.
+        # Only the vibration level shows the fault, as with a worn-out bearing.
         return f'{title}: fault, place unknown'
     return title
 
@@ -55,7 +55,7 @@ def name_of(place: str) -> str:
 
 
 def pretty(unit: str) -> str:
-    """Return a unit as it is printed; one that a file does not say is not left out."""
+    """Return a unit as it is printed; 'unit unknown' for an empty one."""
     return str(unit).replace('^2', '²') or 'unit unknown'
 
 
@@ -68,7 +68,7 @@ def number(value: float, unit: str = '') -> str:
 
 
 def impacts(message: Any, place: str) -> float:
-    """Return how often a defect strikes, Hz, from a message with the four frequencies."""
+    """Return the impact frequency of a defect, Hz, from a message with the four frequencies."""
     names = ('bpfo', 'bpfi', 'bsf', 'ftf')
     return FaultFrequencies(*(recorded(message, name) for name in names)).impacts(place)
 
@@ -84,15 +84,15 @@ def shaft_speed(diagnosis: Any) -> str:
 
 
 def judged_by_velocity(diagnosis: Any) -> bool:
-    """Whether the level of a verdict depends on its velocity: by a zone, or above any limit."""
+    """Whether the level of a verdict depends on its velocity: by a zone, or above every limit."""
     zone = str(getattr(diagnosis, 'iso_zone', ''))
     return bool(zone) or is_urgent('', recorded(diagnosis, 'velocity_rms'))
 
 
 def next_step(diagnosis: Any) -> str:
-    """Return what to do about a verdict."""
+    """Return the recommended action for a verdict."""
     result = str(diagnosis.result_name)
-    # The combs of a place may be all that raised its level; the stage holds what the rest did.
+    # If a place is named, its combs alone may have raised the level; the stage has the rest.
     level = 'fault' if diagnosis.level == FAULT and result not in PLACES else ''
     step = next_step_of(
         result,
@@ -104,20 +104,20 @@ def next_step(diagnosis: Any) -> str:
 
 
 def _stage(diagnosis: Any) -> int:
-    """Return the stage of a verdict; 0 where it has none, or one that does not exist."""
+    """Return the stage of a verdict; 0 if it has none or an invalid one."""
     stage = recorded(diagnosis, 'stage')
     return int(stage) if stage in range(len(STAGES)) else 0
 
 
 def confidence(diagnosis: Any) -> tuple[str, str]:
-    """Return how sure a verdict is, and of what; '' twice where it makes no statement."""
+    """Return the confidence of a verdict and its claim; both '' if it makes no statement."""
     sure, faults = float(diagnosis.confidence), tuple(getattr(diagnosis, 'faults', ()))
     level = 'suspect' if diagnosis.level == SUSPECT else ''
     rule = str(getattr(diagnosis, 'rule', ''))
     kind = kind_of(str(diagnosis.result_name), level, faults, rule)
     if not sure > 0.0 or kind not in CLAIMS:
         return '', ''
-    # Nothing is certain.
+    # 100 % is never printed: nothing is certain.
     share = '> 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
     if sure == UNKNOWN and not faults and kind != 'healthy':
         return share, '(no simulation tells)'
@@ -125,7 +125,7 @@ def confidence(diagnosis: Any) -> tuple[str, str]:
 
 
 def facts(diagnosis: Any) -> list[tuple[str, str]]:
-    """Return the lines of the card of a verdict; what is not known is left out."""
+    """Return names and texts of the facts of a verdict, without those that are not known."""
     unit = pretty(diagnosis.unit)
     rows = []
     if math.isfinite(diagnosis.fault_hz) and diagnosis.fault_hz_expected > 0.0:
@@ -139,7 +139,7 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
     stage, (share, claim) = _stage(diagnosis), confidence(diagnosis)
-    # Where the heading names a place the claim is plain.
+    # The claim needs no words if the heading names a place.
     named = stage and claim == CLAIMS['fault']
     if stage:
         text = f'{stage} of 4, {STAGES[stage]}'
@@ -171,13 +171,13 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
 
 
 def _basis(diagnosis: Any) -> str:
-    """Return on what a correction rests, or why there is none, as it is printed."""
+    """Return the basis of a correction, or why there is none, as it is printed."""
     basis = str(getattr(diagnosis, 'correction_basis', ''))
     return basis.replace('+-', '±').replace('degC', '°C')
 
 
 def measured(diagnosis: Any) -> list[tuple[str, str]]:
-    """Return what was measured beside the card, and why there is no zone."""
+    """Return measured values beyond those of `facts`, and why there is no zone."""
     if not math.isfinite(diagnosis.peak):
         return [('Level', 'not measured')]
     peak = number(diagnosis.peak, diagnosis.unit and pretty(diagnosis.unit))
@@ -199,7 +199,7 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
 
 
 def reasons(diagnosis: Any) -> list[str]:
-    """Return why the verdict is so: what decides, why no other place is named, then the rest."""
+    """Return the deciding reason, why no other place is named, and the other reasons."""
     said = [str(reason) for reason in diagnosis.reasons]
     other = rival(diagnosis)
     return [*said[:1], *([other] if other else []), *said[1:]]
@@ -207,10 +207,10 @@ def reasons(diagnosis: Any) -> list[str]:
 
 def rival(diagnosis: Any) -> str:
     """
-    Say why a significant family is not the one named; '' where there is none.
+    Return why another significant family is not named; '' if there is none.
 
-    The lines of an outer race, say, lie within some tenths of a per cent on shaft sidebands of the
-    inner race in many bearings, since BPFO + BPFI is a multiple of the shaft speed.
+    For example, in many bearings the lines of the outer race lie within some tenths of a per cent
+    of shaft sidebands of the inner race, since BPFO + BPFI is a multiple of the shaft speed.
     """
     result = str(diagnosis.result_name)
     measured: list[dict[str, float]] = [
@@ -257,22 +257,22 @@ def rival(diagnosis: Any) -> str:
 
 @dataclass
 class Tally:
-    """How often and when one answer was given."""
+    """Number and times of the verdicts with one result."""
 
     first: float
-    """When the first of its windows was judged, s."""
+    """Time of its first verdict, s."""
     last: float
     windows: int
     row: int
-    """Windows in a row up to now."""
+    """Consecutive windows up to now."""
     longest: int
-    """Most windows in a row."""
+    """Largest number of consecutive windows."""
     best: Any
-    """Diagnosis message of the window in which it is most urgent, of these the clearest."""
+    """Diagnosis message of the most urgent window; of equally urgent ones the clearest."""
     at: float
-    """When that was judged, s."""
+    """Time of that message, s."""
     spectra: dict[str, Any] = field(default_factory=dict)
-    """Spectrum message of that window by kind."""
+    """Spectrum messages of that window by kind."""
 
 
 class Headline:
@@ -280,25 +280,25 @@ class Headline:
     Find the worst sustained verdict of a recording.
 
     A fault outranks suspect, suspect healthy, and healthy an insufficient window; of two faults
-    the one of the later stage counts. A verdict counts as sustained after three windows in a row;
-    where none is, the most frequent one counts. Windows that say nothing count only where no
-    window says anything.
+    the one of the later stage counts. A verdict is sustained after three consecutive windows. If
+    none is, the most frequent one counts. Windows without a statement count only if no window
+    makes one.
 
-    Before the first full window no level is held. What such windows say counts where it is
-    suspect or a fault and sustained, or where no window is full.
+    Before the first full window there is no level. Verdicts on such windows count if they are a
+    sustained suspect or fault, or if no window is full.
     """
 
     def __init__(self) -> None:
         self.tallies: dict[str, Tally] = {}
-        """By answer."""
+        """Tallies by result."""
         self.count = 0
         self.last: Any = None
-        """Latest Diagnosis message: how it stands at the end."""
+        """Latest Diagnosis message."""
         self._before = ''
         self._recent: dict[str, Any] = {}
 
     def take(self, time: float, diagnosis: Any) -> None:
-        """Take the verdict that was given at ``time`` in s."""
+        """Take a verdict given at ``time`` in s."""
         result = str(diagnosis.result_name)
         tally = self.tallies.get(result)
         if tally is None:
@@ -323,12 +323,12 @@ class Headline:
 
     @property
     def spectra(self) -> dict[str, Any]:
-        """Spectra by kind, of the window of the worst verdict; without a verdict the latest."""
+        """Spectra by kind: of the window of the worst verdict, or the latest without a verdict."""
         return self.worst.spectra if self.count else self._recent
 
     @property
     def worst(self) -> Tally:
-        """The worst sustained verdict; at least one has been taken."""
+        """The worst sustained verdict. At least one verdict must have been taken."""
         tallies = [*self.tallies.values()]
         sustained = [t for t in tallies if t.longest >= SUSTAINED and urgency(t.best)[0]]
         if sustained:
@@ -338,7 +338,7 @@ class Headline:
 
     @property
     def ending(self) -> str:
-        """How it stands at the end, where no window says what the worst verdict says any more."""
+        """State at the end in words, if it is no longer the worst verdict; else ''."""
         if not self.count:
             return ''
         end, shaft = '', ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
@@ -350,7 +350,7 @@ class Headline:
 
     @property
     def span(self) -> str:
-        """When the worst verdict was given, and how it stands at the end."""
+        """Windows and times of the worst verdict, and the state at the end."""
         worst = self.worst
         unit, length = time_unit(worst.last)
         digits = 0 if unit == 's' else 1
@@ -362,20 +362,20 @@ class Headline:
 
 def urgency(diagnosis: Any) -> tuple[int, int]:
     """
-    Return how urgent a verdict is: rank of its level, 0 where it says nothing, and its stage.
+    Return the urgency of a verdict: rank of its level, 0 without a statement, and its stage.
 
-    Before the first full window no level is held, and what the window alone finds counts.
+    Before the first full window there is no level, and the level of the window alone counts.
     """
     rank = _held(diagnosis)
     if not rank and recorded(diagnosis, 'window_result') == recorded(diagnosis, 'result'):
         alone = RANKS.get(recorded(diagnosis, 'window_level'), 0)
-        # Part of a window finds a fault; that there is none takes a full one.
+        # Part of a window can show a fault, but only a full one can show that there is none.
         rank = alone if alone > RANKS[OK] else 0
     return rank, _stage(diagnosis)
 
 
 def _held(diagnosis: Any) -> int:
-    """Return the rank of the level: 0 before the first full window, and where nothing is said."""
+    """Return the rank of the level; 0 before the first full window and without a statement."""
     return RANKS.get(recorded(diagnosis, 'level'), 0)
 
 
@@ -383,7 +383,7 @@ def same_window(one: Any, other: Any) -> bool:
     """
     Whether two messages are about the same window.
 
-    The sample index alone does not tell: it begins again with each start of a sensor.
+    The sample index alone is not enough: it restarts with the sensor.
     """
     stamps = [getattr(getattr(m, 'header', None), 'stamp', None) for m in (one, other)]
     begins = [None if stamp is None else stamp_ns(stamp) for stamp in stamps]
@@ -391,10 +391,10 @@ def same_window(one: Any, other: Any) -> bool:
 
 
 def _clarity(diagnosis: Any) -> tuple[int, int, float, float]:
-    """Return what puts one window of an answer before another; full windows come first."""
+    """Return a sort key of windows with the same result; full windows come first."""
     evidence = [float(score) for score in diagnosis.score]
     if not getattr(diagnosis, 'faults', ()):
-        # Where no place is named the highest score is chance, and the vibration speaks.
+        # If no place is named the highest score is chance, and the velocity counts.
         evidence = [recorded(diagnosis, 'velocity_rms')]
     clearest = max((value for value in evidence if math.isfinite(value)), default=0.0)
     return _held(diagnosis), _stage(diagnosis), float(diagnosis.confidence), clearest

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What Rerun shows: pictures, their layout, and where they go: files and viewers."""
+"""Rerun: pictures, their layout, and their output to files and viewers."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How the views are laid out."""
+"""Layout of the Rerun views."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ if TYPE_CHECKING:
 
 
 MOST_CARDS = 12
-"""Bearings up to which each has a card on the page of all; more could not be read."""
+"""Largest number of bearings with cards on the common page; more could not be read."""
 LONGEST = 22
-"""Letters of a bearing's name above its card, a quarter of a laptop's screen wide."""
+"""Longest name above a card, in letters; a card is a quarter of a laptop's screen wide."""
 
 
 def layout(
@@ -52,10 +52,10 @@ def layout(
     page: str = '',
 ) -> rrb.Blueprint:
     """
-    Return the blueprint for what the scenes hold.
+    Return the blueprint of scenes by title.
 
-    Scenes come by the title they are shown under; ``side_by_side`` they are compared, instead of
-    on tabs. ``page`` is the name of the one in front; '': the first.
+    The scenes are on tabs, or with ``side_by_side`` in columns. ``page`` is the name of the page
+    in front; '': the first.
     """
     bearings = {title: scene for title, scene in scenes.items() if is_bearing(scene)}
     others = {title: scene for title, scene in scenes.items() if scene.contents}
@@ -72,7 +72,7 @@ def layout(
     else:
         wide = [_wide(s, timeline, name=title, page=page) for title, s in shown.items()]
         parts = [*_all_bearings(shown), *wide]
-        # The page is one of the first bearing that has it.
+        # The first bearing that has the page shows it in front.
         having = [w for w in wide if page in [v.name for v in cast('list[View]', w.contents)]]
         page = str(having[0].name) if having else page
     if not side_by_side:
@@ -103,8 +103,8 @@ def automatic(
     """
     Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.
 
-    ``lines`` are topics that Rerun itself draws as time series, ``tables`` those that it reads but
-    does not know how to draw.
+    ``lines`` are topics that Rerun itself draws as time series, ``tables`` topics that it reads
+    but cannot draw.
     """
     views = [view for scene in scenes for view in number_views(scene)]
     views += [lines_view(topic, [f'{topic}/**'], legend=True) for topic in lines]
@@ -120,7 +120,7 @@ def automatic(
 
 
 def _is_of_twin(scene: Scene, bearings: Iterable[Scene]) -> bool:
-    """Whether it is the vibration of a twin beside its machine, as twin/vibration."""
+    """Whether it holds only the vibration of a twin beside its machine, such as twin/vibration."""
     above = scene.root.rpartition('/')[0]
     beside = any(s.root == above and 'twin_state' in s.contents.values() for s in bearings)
     return beside and set(scene.contents.values()) <= {'vibration'}
@@ -130,7 +130,7 @@ def _all_bearings(scenes: Mapping[str, Scene]) -> list[View]:
     """Return the page of the verdicts of several bearings: over time, and as cards."""
     lanes = [v for scene in scenes.values() for v in lane_paths(scene)]
     cards = [
-        # The viewer would cut off the end of a long name, which tells machines of a line apart.
+        # The viewer would cut off the end of a long name, by which similar names differ.
         card_view(v, t if len(t) <= LONGEST else f'…{t[-LONGEST:]}')
         for t, scene in scenes.items()
         for v in paths_of(scene, 'diagnosis')
@@ -138,7 +138,7 @@ def _all_bearings(scenes: Mapping[str, Scene]) -> list[View]:
     if not lanes:
         return []
     views: list[View] = [lanes_view('Verdicts over time', lanes)]
-    # Heights in pixels: a lane 40 of them, a row of cards 100.
+    # Heights in pixels: 40 for a lane, 100 for a row of cards.
     heights = [60 + 40 * len(lanes)]
     if len(cards) <= MOST_CARDS:
         views.append(rrb.Grid(*cards, grid_columns=min(4, len(cards))))
@@ -147,7 +147,7 @@ def _all_bearings(scenes: Mapping[str, Scene]) -> list[View]:
 
 
 def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
-    """Return rows of views with their shares of the height; None where there is no view."""
+    """Return rows of views with their shares of the height; None if there is no view."""
     filled = [(share, views) for share, views in rows if views]
     if not filled:
         return None
@@ -159,7 +159,7 @@ def _rows(*rows: tuple[float, Sequence[View]], name: str) -> View | None:
 
 
 def _columns(left: Sequence[View], right: Sequence[View], *, name: str) -> View | None:
-    """Return views above each other, and beside them others in rows of two."""
+    """Return a column of views, and right of it others in rows of two; None if there are none."""
     columns: list[tuple[float, View]] = []
     if left:
         columns.append((2.0, rrb.Vertical(*left)))
@@ -172,7 +172,7 @@ def _columns(left: Sequence[View], right: Sequence[View], *, name: str) -> View 
 
 
 def _pages(scene: Scene, timeline: str) -> list[View]:
-    """Return the pages of a bearing: what each answers fits a laptop's screen."""
+    """Return the pages of a bearing, each of which fits a laptop's screen."""
     twin = panel_views(scene, 'twin_state', TWIN_STATE[1:])
     evidence = panel_views(scene, 'diagnosis', DIAGNOSIS)
     verdict = [*card_and_reasons(scene), *bearing_views(scene), *envelope_views(scene)]
@@ -187,7 +187,7 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         ),
         *temperature_views(scene),
     ]
-    # Half as high as the page, a waterfall has the width that it needs.
+    # At half the height of the page, a waterfall is wide enough.
     below, beside = bearing_views(scene), temperature_views(scene)
     if not below:
         below, beside = beside, below
@@ -236,7 +236,7 @@ def _front(parts: Sequence[View], page: str) -> int:
 def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not is_bearing(scene):
         return rrb.Vertical(*number_views(scene), name=title)
-    # Beside card and reasons, so that these have the height to be read.
+    # Beside card and reasons, which need their height to be read.
     seen = [*bearing_views(scene), *envelope_views(scene)] or spectrum_views(scene)
     beside = [rrb.Vertical(*seen, row_shares=[2.0, 3.0][-len(seen) :])] if seen else []
     page = _rows(
@@ -251,7 +251,7 @@ def _narrow(scene: Scene, title: str, timeline: str) -> View:
 
 
 def _narrowest(scene: Scene, title: str, timeline: str) -> View:
-    """Return one of three recordings or more: what tells them apart, one above the other."""
+    """Return the column of one of three or more recordings: the views in which they differ."""
     views = [
         *card_and_reasons(scene, title),
         *envelope_views(scene),
@@ -263,7 +263,7 @@ def _narrowest(scene: Scene, title: str, timeline: str) -> View:
 
 
 def _nodes(scenes: Iterable[Scene]) -> list[View]:
-    """Return what is about the nodes: log, health, parameters."""
+    """Return the views of the nodes: log, health, parameters."""
     logs, lanes, panels = [], [], []
     for scene in scenes:
         logs += [f'{path}/**' for kind in ('log', 'text') for path in paths_of(scene, kind)]
@@ -274,7 +274,7 @@ def _nodes(scenes: Iterable[Scene]) -> list[View]:
         ]
     left: list[View] = []
     if logs:
-        # The text names its node: a column of entities would cut it.
+        # The text names its node: a column of entities would cut it off.
         columns = rrb.archetypes.TextLogColumns(text_log_columns=['LogLevel', 'Body'])
         left.append(rrb.TextLogView(origin='/', contents=logs, name='Log', columns=columns))
     if panels:

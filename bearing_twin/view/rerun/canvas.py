@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where a picture draws: an entity path and a timeline. All is held and sent together."""
+"""Canvas of a picture: an entity path and a timeline. Drawings are held and sent together."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     class Emit(Protocol):
-        """Brings a mark to every outlet; ``lasting`` ones are never dropped."""
+        """Sends a mark to every outlet; ``lasting`` ones go first."""
 
         def __call__(self, mark: Mark, *, lasting: bool = False) -> None:
-            """Bring it there."""
+            """Send the mark."""
 
 
 _T = TypeVar('_T', bound=np.generic)
@@ -44,13 +44,13 @@ class Canvas:
     """
     Draw at times in ns below one entity path.
 
-    What Rerun takes at once costs nearly the same whether it is one row or a thousand: lines are
-    held until :meth:`flush`. What is drawn becomes a chunk once, for all outlets, and they take
-    the chunks of a flush together: a call each costs more than what it carries.
+    A call to Rerun costs nearly the same for one row as for a thousand, so lines are held until
+    :meth:`flush`. Each drawing becomes one chunk for all outlets, and a flush sends its chunks in
+    one call.
     """
 
     emit: Emit
-    """Where the marks go."""
+    """Receives the marks."""
     root: str
     """Entity path below which everything lies; '' is the top."""
     timebase: Timebase
@@ -67,7 +67,7 @@ class Canvas:
         return name not in self._known
 
     def once(self, name: str, *archetypes: Any) -> None:
-        """Log what does not change with time, the first time only."""
+        """Log static archetypes, the first time only."""
         if name not in self._known:
             self._known.add(name)
             chunk = Chunk.from_columns(self.path(name), [], _row(archetypes))
@@ -98,8 +98,8 @@ class Canvas:
         """
         Hold samples of a time series for the next flush.
 
-        Values of shape (n,) at times in ns, or (n, k) for k lines, which have as many labels. What
-        is ``slow`` can wait for a slow flush.
+        Times are in ns, values of shape (n,), or (n, k) for k lines with k labels. ``slow`` lines
+        are sent by slow flushes only.
         """
         if self.is_new(name):
             labels = [label] if isinstance(label, str) else list(label)
@@ -122,7 +122,7 @@ class Canvas:
         held.values.append(values)
 
     def flush(self, *, slow: bool) -> None:
-        """Send what is held; ``slow``: the slow lines too."""
+        """Send what is held, with ``slow`` the slow lines too."""
         names = [name for name, held in self._lines.items() if slow or not held.slow]
         for name in names:
             held = self._lines.pop(name)
@@ -143,5 +143,5 @@ def _row(archetypes: Iterable[rr.AsComponents]) -> list[rr.ComponentColumn]:
 
 
 def _joined(parts: list[NDArray[_T]]) -> NDArray[_T]:
-    """Return parts in one; one that is alone stays the array it is, whose times are known."""
+    """Return joined arrays; a single one is returned itself, as its time column may be reused."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How a process ends that still waits for a viewer. Does not load Rerun."""
+"""End of a process that still waits for a viewer. Does not load Rerun."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ def leave(status: int) -> None:
     """
     End the process at once if a thread still waits for a viewer; else return.
 
-    To be called last, when all files are finished. Up to Python 3.13 a thread that comes back
-    from Rerun while Python ends, because the viewer has just been thawed or killed, is torn down
-    with Rerun's frames on its stack, and the process aborts (SIGABRT) instead of ending with its
-    status.
+    Call it last, when all files are finished. A viewer may be thawed or killed while Python ends.
+    Up to Python 3.13 the thread that then returns from Rerun is torn down with Rerun's frames on
+    its stack, and the process aborts (SIGABRT) instead of ending with its status.
     """
     if any(thread.name == SERVING for thread in threading.enumerate()):
         sys.stdout.flush()

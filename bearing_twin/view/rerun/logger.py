@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Draw ROS messages in Rerun as they come.
+Draw ROS messages in Rerun as they arrive.
 
-A message goes to the scene of its namespace, there to the picture of its topic, which draws on its
-canvas; what the canvas emits goes to the file and to the server for live viewers.
+A message goes to the scene of its namespace and there to the picture of its topic. The picture
+draws on its canvas, whose marks go to the file and to the server for live viewers.
 """
 
 from __future__ import annotations
@@ -37,24 +37,24 @@ if TYPE_CHECKING:
 
 
 SETTLED = NANO
-"""A new topic is laid out when none has followed for this long, ns."""
+"""New topics are laid out when no other has appeared for this long, ns."""
 TICK = 3 * NANO // 10
-"""What is held is sent this often, ns; with the 0.2 s that Rerun waits: live is half a second."""
+"""Period of flushes, ns; with the 0.2 s that Rerun waits, live views lag half a second."""
 SLOW = 3
 """Ticks after which the slow lines are sent too."""
 COMPLAINTS = 20
-"""Most reasons that are kept of messages that could not be drawn."""
+"""Largest number of topics for which the reason of a failed drawing is kept."""
 
 
 class RerunLogger:
     """
     Draw messages to a Rerun file, to a Rerun server, or to both.
 
-    Everything is drawn once. Viewers connect to the server when they like and get the recent past.
-    One that is absent, killed or frozen delays nobody: they are served by a thread of their own,
-    and what they do not take in time is counted in `dropped`. The file is written in line and has
-    everything. Nothing that a message holds raises: what cannot be drawn is counted in `failed`
-    and explained in `problems`.
+    Everything is drawn once. Viewers connect to the server at any time and get the recent past. A
+    separate thread serves them, so that an absent, killed or frozen viewer delays nothing; what a
+    viewer does not take in time is counted in `dropped`. The file is written by the calling thread
+    and is complete. No message raises an error: messages that cannot be drawn are counted in
+    `failed` and explained in `problems`.
 
     Parameters
     ----------
@@ -65,19 +65,19 @@ class RerunLogger:
     serve
         Address and port of a server for live viewers.
     memory_limit
-        Most memory of the server; the oldest is dropped.
+        Memory limit of the server; it drops the oldest data.
     full_samples
         Draw every sample of the vibration instead of a part of each second and its envelope.
     sides
-        Names of recordings that are drawn side by side, with the time in ns at which each begins;
-        time counts from there. ``{'': TIME}`` for one recording without a date.
+        Recordings that are drawn side by side: the time in ns at which each begins, by its name.
+        Time counts from there. ``{'': TIME}`` for one recording without a date.
     timeline
-        Timeline of messages by their stamps; any other name: by their arrival, for the viewer to
-        lay out.
+        ``'ros_time'`` draws messages at their stamps. Any other name draws them at their arrival
+        and leaves the layout to the viewer.
     page
         Name of the page in front; '': the first.
     scales
-        What sides share.
+        Scales that the sides share.
 
     Raises
     ------
@@ -102,8 +102,8 @@ class RerunLogger:
         self.failed = 0
         """Messages that could not be drawn."""
         self.problems: dict[str, str] = {}
-        """Reason by topic."""
-        # The first text loads pandas, where it is installed: a second that no message shall wait.
+        """First reason of each topic."""
+        # The first text loads pandas, where installed: a second that no message shall wait.
         rr.TextLog('')
         if rrd is not None:
             if rrd.exists():
@@ -140,17 +140,17 @@ class RerunLogger:
 
     @property
     def dropped(self) -> int:
-        """Pictures that live viewers miss because one of them did not keep up."""
+        """Number of marks that live viewers miss because one of them did not keep up."""
         return self._served.dropped if self._served is not None else 0
 
     def log(
         self, topic: str, type_name: str, message: Any, time_ns: int, *, side: str = ''
     ) -> None:
         """
-        Draw a message that was received at ``time_ns``; never raises.
+        Draw a message that was received at ``time_ns``; never raise.
 
-        It is anything with the fields of the ROS message, of one of the `sides`, where there are
-        any.
+        The message is any object with the fields of the ROS message. ``side`` is its recording's
+        name in `sides`, if these were given.
         """
         if is_feature(topic):
             return
@@ -161,7 +161,7 @@ class RerunLogger:
             if due:
                 self._settle(time_ns)
         except Exception as error:
-            # The caller is a node, the message a stranger's: a picture is not worth a failure.
+            # The message may come from anywhere: a drawing error must not stop the calling node.
             self._complain(topic, error)
         if due:
             self._flushed = time_ns
@@ -170,9 +170,9 @@ class RerunLogger:
 
     def drain(self, timeout: float) -> bool:
         """
-        Wait until the server has drawn all, at most ``timeout`` seconds; return whether so.
+        Wait until the server has drawn everything; return False after ``timeout`` seconds.
 
-        For who logs faster than a bearing speaks and wants nothing dropped.
+        For callers that log faster than real time and want nothing dropped.
         """
         return self._served is None or self._served.drain(timeout)
 
@@ -185,10 +185,10 @@ class RerunLogger:
         tables: Iterable[str] = (),
     ) -> str:
         """
-        Draw what Rerun itself can draw of an MCAP file to the file; return why not, or ''.
+        Let Rerun draw topics of an MCAP file to the file; return why it cannot, or ''.
 
-        Others than ``topics`` are left out. ``lines`` are those that come out as time series,
-        ``tables`` those that are read but not drawn.
+        Only ``topics`` are read. Of these Rerun draws ``lines`` as time series, and reads
+        ``tables`` without drawing them.
         """
         # Without any pattern Rerun would take all topics.
         chosen = [f'^{re.escape(topic)}$' for topic in topics]
@@ -200,15 +200,15 @@ class RerunLogger:
             reader = McapReader(path, include_topic_regex=chosen, recover=True)
             self._file.recording.send_chunks(reader.stream())
         except Exception as error:
-            # A stranger's file; Rerun raises many kinds on damaged ones.
+            # Rerun raises many kinds of errors on damaged files.
             return f'{type(error).__name__}: {error}'
         return ''
 
     def close(self) -> None:
         """
-        Draw what is held back and finish; a second time does nothing.
+        Draw what is held and finish; a second call does nothing.
 
-        Viewers that do not take the rest within seconds miss it; the file has all.
+        Viewers that do not take the rest within seconds miss it; the file is complete.
         """
         if self._closed:
             return
@@ -304,7 +304,7 @@ class RerunLogger:
 
 
 def _check_free(address: str, port: int) -> None:
-    """Rerun itself only logs that it cannot serve."""
+    """Raise if a port is taken; Rerun itself only logs it."""
     try:
         with socket.socket(socket.AF_INET6 if ':' in address else socket.AF_INET) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

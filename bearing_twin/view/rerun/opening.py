@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings as Rerun files: one, or two side by side."""
+"""Recordings as Rerun files: one, or several side by side."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 STANDING = frozenset(
     {'bearing_twin_msgs/msg/Checkpoint', 'rcl_interfaces/msg/Log', 'std_msgs/msg/String'}
 )
-"""Message types that hold on, and so are drawn though they were sent before the vibration."""
+"""Message types that stay valid: they are drawn even if sent before the vibration."""
 OWN = frozenset(name for name in PICTURES if name.startswith('bearing_twin_msgs/'))
 SERIES = frozenset(
     {
@@ -57,24 +57,24 @@ def draw_recordings(
     """
     Draw a recording, or several side by side, to a Rerun file.
 
-    The picture begins a second before the first vibration, not with the nodes that start up;
-    their parameters and log stand there.
+    The picture begins a second before the first vibration, not at the start of the nodes. Their
+    parameters and log are shown at that beginning.
 
     Parameters
     ----------
     paths
-        MCAP files or bag folders; torn ones are read as far as they go.
+        MCAP files or bag folders; unfinished ones are read up to where they break off.
     rrd
         File to write.
     page
         Name of the page in front; '': the first.
     progress
-        Called with the part done, 0 to 1.
+        Called with the fraction done, 0 to 1.
 
     Returns
     -------
     dict
-        Why something is not drawn, by topic.
+        Reason why something is not drawn, by topic or file.
 
     Raises
     ------
@@ -112,9 +112,9 @@ def draw_recordings(
 def _draw_foreign(
     info: RecordingInfo, rrd: Path, progress: Callable[[float], None] | None
 ) -> dict[str, str]:
-    """Draw what others recorded: Rerun what it knows, we the numbers of all other types."""
+    """Draw other recordings: Rerun draws the types it knows, we the numbers of all others."""
     readable = {name: topic for name, topic in info.topics.items() if _is_readable(topic)}
-    # Rerun reads every protobuf message, and knows how to draw few.
+    # Rerun reads every protobuf message but draws only a few.
     tables = {n for n, t in readable.items() if {e for _, e, _ in t.schemas} == {'protobuf'}}
     known = {
         name: topic.type_name.split('/')[-1]
@@ -139,7 +139,7 @@ def _draw_foreign(
 
 
 def _is_readable(topic: TopicInfo) -> bool:
-    """Whether Rerun can read it: a .msg that holds itself would end it with a stack overflow."""
+    """Whether Rerun can read it: a .msg that contains itself ends Rerun with a stack overflow."""
     with contextlib.suppress(BearingTwinError):
         for type_name, encoding, text in topic.schemas:
             if encoding == 'ros2msg':
@@ -160,7 +160,7 @@ def _draw(
     unread = {str(info.path): '; '.join(info.problems)} if info.problems else {}
     span = max(1, info.end - info.start)
     if topics is not None and not topics:
-        # Nothing is left to draw: to read it costs seconds for each GB that it unpacks to.
+        # Nothing is left to draw, and reading costs seconds for each GB of unpacked data.
         return unread
     messages = read_messages(info.path, topics=topics, recover=True, problems=[])
     for count, message in enumerate(messages):
@@ -190,7 +190,7 @@ def _scales(infos: Sequence[RecordingInfo]) -> Scales:
     scales = Scales()
     for info in infos:
         for message in read_messages(info.path, recover=True, problems=[]):
-            # The part that draws a message reports it if it cannot be read.
+            # Messages that cannot be read are reported when they are drawn.
             with contextlib.suppress(BearingTwinError, AttributeError):
                 scales.take(message.type_name, message.decode())
     return scales
@@ -205,9 +205,9 @@ def _part(progress: Callable[[float], None] | None, k: int, n: int) -> Callable[
 
 
 def _names(paths: Sequence[Path]) -> list[str]:
-    """Return a short name for each path, all different, fit for an entity path."""
+    """Return a short name for each path, all different and valid in an entity path."""
     parts = [path.resolve().with_suffix('').parts for path in paths]
-    # The bag folder of a run says nothing that the run's own does not.
+    # A folder called 'bag' adds nothing to the name of its run.
     parts = [part[:-1] if part[-1] == 'bag' else part for part in parts]
     for depth in range(1, max(map(len, parts)) + 1):
         names = ['_'.join(part[-depth:]) for part in parts]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where drawings go: a file, or a server for live viewers. Neither holds the caller up."""
+"""Outlets of drawings: a file, or a server for live viewers. Neither delays the caller."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ import rerun as rr
 import rerun_bindings
 
 Mark = Callable[[rr.RecordingStream], None]
-"""Something drawn: puts itself into a recording. It is made once for all outlets."""
+"""A drawing that adds itself to a recording. It is made once for all outlets."""
 
 WAITING = 500
-"""Most marks that wait for the viewers: half a minute of a bearing, some 20 MB."""
+"""Most marks queued for the viewers: half a minute of a bearing, some 20 MB."""
 LASTING = 10_000
-"""Most lasting marks that wait: the looks, bodies and layouts of a fleet."""
+"""Most lasting marks queued: the styles, bodies and layouts of a fleet."""
 FLUSH_TIMEOUT = 5.0
 CLOSE_TIMEOUT = 4.0
-"""Longest that closing waits for the viewers, s; ROS 2 kills a node that takes more than 5."""
+"""Time limit for closing, s; ROS 2 kills a node that takes more than 5 s."""
 
 
 def release() -> None:
     """
-    Give back what closed outlets hold.
+    Free the threads and memory of closed outlets.
 
-    Else each picture of a process leaves more threads and memory behind, even though it is
-    disconnected (rerun-io/rerun#2116), and one that failed fails all later ones. It waits for all
-    outlets that are open: not to be called while a viewer is frozen.
+    Otherwise each recording of a process keeps them even though it is disconnected
+    (rerun-io/rerun#2116), and one that failed makes all later ones fail. The call waits for all
+    open outlets: do not call it while a viewer is frozen.
     """
     with contextlib.suppress(RuntimeError):  # of others, which tell it themselves
         rerun_bindings.flush_and_cleanup_orphaned_recordings()
@@ -64,14 +64,14 @@ class Outlet:
         Raises
         ------
         RuntimeError
-            If the sink does not take what is left in time.
+            If the sink does not take the rest in time.
 
         """
         try:
             self._finish()
         finally:
             self.recording.disconnect()
-            # What has drawn into it may live on in a circle.
+            # Objects that drew into it may survive in a reference cycle.
             del self.recording
 
     def _finish(self) -> None:
@@ -81,7 +81,7 @@ class Outlet:
                 self.recording.flush(timeout_sec=FLUSH_TIMEOUT)
                 break
             except RuntimeError:
-                # A file on a loaded machine takes longer: it has failed when it does not grow.
+                # A file takes longer on a loaded machine: it has failed if it does not grow.
                 before, written = written, self._written()
                 if written <= before:
                     raise
@@ -94,10 +94,9 @@ class ServedOutlet:
     """
     Feed the outlet of live viewers from a bounded queue, in a thread of its own.
 
-    A viewer that is connected and frozen fills the buffers of Rerun, whose calls then wait for as
-    long as it is; they let other threads run. What comes meanwhile replaces the oldest that waits:
-    live viewers are about the present. What lasts (looks, bodies, the layout) goes first and is
-    kept.
+    A frozen viewer fills the buffers of Rerun, whose calls then wait until it resumes; other
+    threads run on. Meanwhile new marks replace the oldest in the queue, since live viewers show
+    the present. Lasting marks (styles, bodies, the layout) go first and are kept.
     """
 
     def __init__(self, outlet: Outlet) -> None:
@@ -115,7 +114,7 @@ class ServedOutlet:
         self._thread.start()
 
     def put(self, mark: Mark, *, lasting: bool = False) -> None:
-        """Have a mark drawn; never waits for a viewer."""
+        """Queue a mark; never wait for a viewer."""
         waiting, most = (self._lasting, LASTING) if lasting else (self._passing, WAITING)
         with self._changed:
             if len(waiting) >= most:
@@ -125,12 +124,12 @@ class ServedOutlet:
             self._changed.notify_all()
 
     def drain(self, timeout: float) -> bool:
-        """Wait until nothing waits any more, at most ``timeout`` seconds; return whether so."""
+        """Wait until all queued marks are drawn; return False after ``timeout`` seconds."""
         with self._changed:
             return self._changed.wait_for(lambda: not self._waits and not self._busy, timeout)
 
     def close(self) -> bool:
-        """Draw what waits and stop serving; return whether the viewers took it in time."""
+        """Draw the queued marks and stop serving; return whether the viewers took them in time."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
@@ -162,9 +161,9 @@ class ServedOutlet:
             try:
                 self._outlet.put(mark)
             except Exception:
-                # Whatever Rerun raises: those who look on are not worth a thread that ends.
+                # No error of Rerun may end the thread.
                 self.dropped += 1
-        # Rerun raises when a viewer does not take the rest in time; closing says so.
+        # Rerun raises if a viewer does not take the rest in time; `close` returns False then.
         with contextlib.suppress(RuntimeError):
             self._outlet.close()
             self._finished = True

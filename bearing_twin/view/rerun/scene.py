@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One bearing as it is drawn: the topics of one namespace, a picture each."""
+"""Scene of one bearing: the topics of one namespace, each with a picture."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ SILENT = frozenset(
         'tf2_msgs/msg/TFMessage',
     }
 )
-"""Types that say nothing to the eye."""
+"""Message types that are not drawn."""
 
 
 def namespace_of(topic: str) -> tuple[str, str]:
@@ -85,9 +85,10 @@ class Scene:
 
     def _tell_apart(self, sensor: Waveform, name: str) -> None:
         """
-        Keep what a second sensor of vibration tells of itself away from the verdict.
+        Keep the data of a second vibration sensor apart from the verdict.
 
-        A twin beside a sensor is not what the verdict is about: ``vibration`` is, else the first.
+        The verdict is about the topic ``vibration``, or else the first one, and not about a twin
+        beside it.
         """
         if self._sensor is None:
             self._sensor = sensor
@@ -103,10 +104,10 @@ class Scene:
         self, complain: Callable[[str, Exception], None], *, slow: bool, last: bool = False
     ) -> None:
         """
-        Send what is held, ``slow`` lines too if asked; never raises.
+        Send what is held, with ``slow`` the slow lines too; never raise.
 
-        ``complain`` is called with a topic and why something cannot be drawn; ``last``: the
-        recording ends.
+        ``complain`` is called with the topic and the error if something cannot be drawn. ``last``:
+        the recording ends.
         """
         for (name, _), picture in self._pictures.items():
             try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""When a message is drawn: its stamp, unless the stamp belongs to another time altogether."""
+"""Time at which a message is drawn: its stamp, shifted if it comes from another clock."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 FAR = 10 * NANO
-"""A stamp further than this from its arrival is of another clock, ns."""
+"""A stamp further than this from its arrival comes from another clock, ns."""
 
 
 def stamp_of(message: Any) -> int | None:
@@ -42,11 +42,10 @@ class Timebase:
 
     Notes
     -----
-    A replayed sensor keeps the stamps of its own day, while the twin that answers it stamps
-    today. Both have to be in one picture: a stamp that is more than 10 s from its arrival is
-    shifted. The offset is one for all topics of that day, and that of the message that was
-    fastest so far: distances between samples stay what they were, and nothing is drawn later than
-    it came.
+    A replayed sensor keeps the stamps of its own day, while its twin stamps today. To show both in
+    one picture, a stamp that is more than 10 s from its arrival is shifted. All topics of that day
+    share one offset, the shortest delay so far: distances between samples are kept, and nothing is
+    drawn later than it arrived.
 
     """
 
@@ -74,7 +73,7 @@ class Timebase:
         return received
 
     def column(self, times: NDArray[np.int64]) -> rr.TimeColumn:
-        """Return times in ns as a column, which is made once for lines that share the array."""
+        """Return times in ns as a column; lines that share the array share the column."""
         if self._column is None or self._times is not times:
             if self._zero is None:
                 shown = {'timestamp': times.astype('datetime64[ns]')}

@@ -33,12 +33,12 @@ START_TIMEOUT = 30.0
 LOAD_TIMEOUT = 120.0
 POLL = 0.7
 SETTLE = 2.5
-"""Time for views to lay themselves out once data have come, s."""
+"""Time for the layout of the views after data have arrived, s."""
 
 
 def listening(pid: int) -> list[int]:
     """
-    Return the ports at which a process listens, such as one that has chosen its port itself.
+    Return the TCP ports at which a process listens.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def listening(pid: int) -> list[int]:
     True
 
     """
-    # Those of one process are asked for by another name in the psutil of Ubuntu 24.04.
+    # The query for a single process has another name in the psutil of Ubuntu 24.04.
     found = (c for c in psutil.net_connections('tcp') if c.pid == pid)
     return [c.laddr.port for c in found if c.laddr and c.status == psutil.CONN_LISTEN]
 
@@ -56,7 +56,7 @@ def live_url(text: str) -> str:
     """Return the URL of a Rerun server from a URL, ADDRESS:PORT or PORT."""
     if text.startswith(('rerun://', 'rerun+http://', 'rerun+https://')):
         with contextlib.suppress(ValueError):
-            # A port that is no number is noticed when it is asked for.
+            # Reading ``port`` raises if it is not a number.
             if urlsplit(text).port != 0:
                 return text
     found = re.fullmatch(r'(?:(?P<host>[^:/\s]+|\[[0-9a-fA-F:]+\]):)?(?P<port>\d{1,5})', text)
@@ -83,7 +83,7 @@ def show_in_browser(
     Raises
     ------
     BearingTwinError
-        If the port is taken, or the address is none.
+        If the port is taken or the address is invalid.
 
     """
     try:
@@ -93,7 +93,7 @@ def show_in_browser(
             page.bind((address, web_port))
             port = page.getsockname()[1]
     except (OSError, OverflowError, TypeError, ValueError) as error:
-        # The others: a port beyond 65535, an address that is no text or too long.
+        # Besides OSError: a port above 65535, an address that is not text or too long.
         reason = getattr(error, 'strerror', None) or error
         msg = f'{address}:{web_port} cannot be served ({reason}); choose another --web-port'
         raise BearingTwinError(msg) from None
@@ -102,7 +102,7 @@ def show_in_browser(
     command = [_binary(), '--serve-web', '--bind', address, '--port', '0']
     command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
-        # The server is a process of its own and would outlive a termination of this one.
+        # The server is a separate process and would outlive this one when that is terminated.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
             ports = _served(server, 1 if servers else 2) - {port}
@@ -116,7 +116,7 @@ def show_in_browser(
 
 
 def _served(server: subprocess.Popen[bytes], count: int) -> set[int]:
-    """Return the ports of a server once it listens at so many; it chooses that of the data."""
+    """Return the ports of a server once it has ``count``; it chooses the data port itself."""
     deadline = time.monotonic() + START_TIMEOUT
     while server.poll() is None and time.monotonic() < deadline:
         if len(ports := {*listening(server.pid)}) >= count:
@@ -128,7 +128,7 @@ def _served(server: subprocess.Popen[bytes], count: int) -> set[int]:
 
 class HeadlessViewer:
     """
-    A viewer without a display, driven from here.
+    A viewer without a display, controlled by this process.
 
     Raises
     ------
@@ -142,7 +142,7 @@ class HeadlessViewer:
 
         self._live = any('://' in source for source in sources)
         self._folder = tempfile.TemporaryDirectory(prefix='bearing_twin_view_')
-        # It leaves a folder behind when it is ended.
+        # A terminated viewer leaves a folder behind.
         environment = os.environ | {
             'XDG_RUNTIME_DIR': self._folder.name,
             'TMPDIR': self._folder.name,
@@ -162,20 +162,19 @@ class HeadlessViewer:
 
     @property
     def pid(self) -> int:
-        """Process of the viewer."""
+        """Process id of the viewer."""
         return self._process.pid
 
     def wait(self, seconds: float | None = None) -> None:
         """
-        Wait until all has been loaded, or a server is caught up with, and show one moment.
+        Wait until files are loaded or the past of a server is read, and show one moment.
 
-        ``seconds`` are on the timeline of the blueprint, from its beginning; None: the end, and
-        what comes after.
+        ``seconds`` count from the beginning of the blueprint's timeline; None: follow the end.
 
         Raises
         ------
         BearingTwinError
-            If nothing comes, or there is no such moment.
+            If no data come, or ``seconds`` are out of range.
 
         """
         deadline = time.monotonic() + LOAD_TIMEOUT
@@ -185,7 +184,7 @@ class HeadlessViewer:
             state = self._state()
             ends = [t.end for r in state.recordings for t in r.timelines if t.end is not None]
             now, end = time.monotonic(), max(ends, default=-math.inf)
-            # A server goes on: it is caught up with when time passes as fast there as here.
+            # A server sends on: its past is read when time passes as fast there as here.
             grown = 1e-9 * (end - before)
             there = grown < 2.0 * (now - then) if self._live else end == before
             if state.views and ends and there and (self._live or not state.loading):
@@ -264,7 +263,7 @@ class HeadlessViewer:
         try:
             return self.client.get_state()
         except ConnectionError:
-            # It is about to end, and says why only once it has.
+            # The viewer is about to end; its reason is known only afterwards.
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(5.0)
             self._check()
@@ -280,7 +279,7 @@ class HeadlessViewer:
                 'rename what is shown, or use view with a window or --web, which show a box'
             )
             raise BearingTwinError(msg)
-        # With OpenGL alone, in software too, the viewer panics instead of naming the adapter.
+        # With OpenGL only, even in software, the viewer panics instead of naming the adapter.
         if 'adapter' in text or 'render context' in text:
             msg = (
                 'no Vulkan device for pictures without a display; on Debian or Ubuntu install '
@@ -293,7 +292,7 @@ class HeadlessViewer:
 
 
 def _binary() -> str:
-    """Return the viewer itself; the `rerun` script is a wrapper that outlives its child."""
+    """Return the path of the viewer; the `rerun` script is a wrapper that outlives its child."""
     folder = Path(rerun_cli.__file__).parent
     for name in ('rerun', 'rerun.exe'):
         if (folder / name).exists():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Views of what one bearing holds."""
+"""Rerun views of one bearing."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ View = rrb.View | rrb.Container
 
 
 def is_bearing(scene: Scene) -> bool:
-    """Whether a scene holds anything of a bearing."""
+    """Whether a scene holds data of a bearing."""
     kinds = set(scene.contents.values())
     return bool(kinds & {'vibration', 'twin_state', 'diagnosis', 'spectrum', 'envelope_spectrum'})
 
@@ -49,9 +49,9 @@ def _window(timeline: str, seconds: float) -> rrb.VisibleTimeRange:
 
 def _all_time() -> rrb.TimeAxis:
     """
-    Return the axis of views over time: from the beginning to the end.
+    Return a time axis from the beginning to the end.
 
-    With the axis that views share Rerun opens at half a minute on either side of the cursor.
+    With a shared axis Rerun opens at half a minute on either side of the cursor.
     """
     ends = rrb.TimeRange(rrb.TimeRangeBoundary.infinite(), rrb.TimeRangeBoundary.infinite())
     return rrb.TimeAxis(link=rrb.components.LinkAxis.Independent, view_range=ends)
@@ -140,7 +140,7 @@ def waveform_views(scene: Scene, timeline: str) -> list[View]:
         unit = scene.asset.units.get(path, _unit(scene))
         views += [
             lines_view(
-                # A low axis may have one number: the title tells the one that all sides share.
+                # A low axis may have only one number: the title gives the range of all sides.
                 f'Vibration {f"±{peak:.3g} " if peak else ""}[{unit}], last {CLOSE:g} s',
                 [f'{path}/samples/**'],
                 window=_window(timeline, CLOSE),
@@ -154,7 +154,7 @@ def waveform_views(scene: Scene, timeline: str) -> list[View]:
             rrb.Spatial2DView(
                 origin=f'{path}/spectrogram',
                 name='Spectrogram of the last minute',
-                # With room for the labels, which are not counted.
+                # With room for the labels, which Rerun does not include.
                 visual_bounds=rrb.VisualBounds2D(
                     x_range=[-50.0, COLUMNS + 20.0], y_range=[-22.0, ROWS + 26.0]
                 ),
@@ -168,7 +168,7 @@ def _unit(scene: Scene) -> str:
 
 
 def _axes(scene: Scene) -> str:
-    """Name the axes that have samples by their colours; a legend would cover the lines."""
+    """Return directions that have samples, with their colours; a legend would cover the lines."""
     return ', '.join(f'{n} {c}' for n, c in AXES.values() if n in scene.asset.panels)
 
 
@@ -189,7 +189,7 @@ def waterfall_views(scene: Scene) -> list[View]:
 
 
 def _bars(name: str, origin: str) -> View:
-    # A legend would cover lines and names entities, not what they are.
+    # A legend would cover lines, and it shows only entity names.
     return rrb.BarChartView(origin=origin, name=name, plot_legend=rrb.PlotLegend(visible=False))
 
 
@@ -201,7 +201,7 @@ def spectrum_views(scene: Scene) -> list[View]:
 
 
 def envelope_views(scene: Scene) -> list[View]:
-    """Return the envelope spectra with what names their colours, and the first harmonic."""
+    """Return the envelope spectra with their colour legend, and a zoom of the first harmonic."""
     views: list[View] = []
     for path, legend in zip(
         paths_of(scene, 'envelope_spectrum'), colour_legend(scene), strict=True
@@ -218,7 +218,7 @@ def envelope_views(scene: Scene) -> list[View]:
 
 
 def colour_legend(scene: Scene) -> list[View]:
-    """Return what names the colours of the combs."""
+    """Return the colour legend of the combs."""
     return [
         rrb.Spatial2DView(origin=f'{path}/legend', name='Colours', titlebar=False)
         for path in paths_of(scene, 'envelope_spectrum')
@@ -276,7 +276,7 @@ def fitted_views(scene: Scene) -> list[View]:
 
 
 def difference_views(scene: Scene) -> list[View]:
-    """Return views of what machine and twin differ by, below their spectra."""
+    """Return views of the difference between the spectra of machine and twin."""
     return [
         _bars('Machine over twin [dB over Hz]', f'{path}/difference')
         for path in paths_of(scene, 'calibration')
@@ -285,7 +285,7 @@ def difference_views(scene: Scene) -> list[View]:
 
 
 def number_views(scene: Scene) -> list[View]:
-    """Return views of topics that are not the bearing's."""
+    """Return views of the numbers of other topics."""
     return [
         lines_view(path, [f'{path}/fields/**'], legend=True) for path in paths_of(scene, 'numbers')
     ]

@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 
 
 SLOWED = 40.0
-"""The bearing is drawn turning this many times slower than it does."""
+"""The drawn bearing turns this many times slower than the real one."""
 MAGNIFIED = 100.0
-"""The displacement of the inner ring is drawn this many times larger than it is."""
+"""Factor by which the displacement of the inner ring is magnified."""
 FRAME = 0.04
 """Longest time between two poses, s."""
 LONGEST = 1.0
-"""Poses further apart than this are not joined, s."""
+"""Poses further apart than this are not interpolated, s."""
 STEEL, BRIGHT, BRASS = (150, 156, 164), (176, 182, 190), (176, 141, 66)
 DEFECT = (255, 23, 68)
 AROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
@@ -44,7 +44,7 @@ POSE = (
 
 
 def check_pose(state: Any) -> None:
-    """Refuse a TwinState of another version that does not say how the bearing stands."""
+    """Raise if a TwinState of another version lacks the fields of the pose."""
     if lacking := [field for field in POSE if not hasattr(state, field)]:
         msg = f'recorded with another TwinState, without {", ".join(lacking)}: no bearing is drawn'
         raise BearingTwinError(msg)
@@ -66,7 +66,7 @@ def contact_forces(
     stiffness: float | NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """
-    Return the Hertz contact force in N of balls at some angles; all arrays broadcast.
+    Return the Hertz contact force in N of balls at given angles; all arrays broadcast.
 
     Parameters
     ----------
@@ -101,10 +101,10 @@ def greatest_force(state: Any) -> float:
 @dataclass
 class _Turning:
     """
-    Angle in slow motion, followed from wrapped readings and a speed.
+    Angle in slow motion, from wrapped readings and a speed.
 
-    It begins at the first reading, so that shaft, cage and balls stand to each other as in the
-    twin at that moment, and grows by the true angle divided by `SLOWED`.
+    It begins at the first reading, so that shaft, cage and balls have the same relative angles as
+    in the twin, and grows by the true angle divided by `SLOWED`.
     """
 
     shown: float = math.nan
@@ -135,13 +135,13 @@ class _Pose(NamedTuple):
 
 class Bearing3D:
     """
-    Draw the bearing pose after pose.
+    Draw the bearing in its successive poses.
 
-    Poses are held and sent together, which costs a fifth of one by one.
-    It turns slowed down by `SLOWED`, while the clock of the timeline runs on. Forces are those of
-    balls at the places where they are drawn, at the displacement, clearance and stiffness of the
-    moment, so that colours and load zone agree. They refer to the greatest so far, at least to
-    ``greatest``, N.
+    Poses are held and sent together, at a fifth of the cost of sending each alone.
+    Only the rotation is slowed down, by `SLOWED`; the timeline is not. Forces are those at the
+    drawn positions of the balls, with the current displacement, clearance and stiffness, so that
+    colours and load zone agree. They are relative to the greatest so far, at least ``greatest`` in
+    N.
     """
 
     def __init__(self, canvas: Canvas, name: str, bearing: Bearing, greatest: float = 0.0) -> None:
@@ -216,7 +216,7 @@ class Bearing3D:
         self._load_zone(times, zone, scale)
         for k, defect in enumerate(self._defects):
             if defect.place == 'ball':
-                # At this spin angle it meets the inner race: it points to the shaft.
+                # At this spin angle the defect meets the inner race: it points to the shaft.
                 at = angles[:, defect.ball % bearing.n_balls]
                 spot = _on_circle(400.0 * bearing.d_ball, at + np.pi - spin + defect.angle)
                 spot[:, 2] = 300.0 * bearing.d_ball
@@ -328,7 +328,7 @@ def _defects(text: str) -> tuple[Defect, ...]:
 
 
 def force_colours(parts: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return steel to orange, shape (..., 3), for forces as parts 0..1; red are defects only."""
+    """Return colours from grey to orange, shape (..., 3), for relative forces 0..1."""
     grey, orange = np.array([[96, 125, 139], LINE['orange']], dtype=np.float64)
     colours = grey + np.clip(parts, 0.0, 1.0)[..., None] * (orange - grey)
     return np.asarray(colours, dtype=np.uint8)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The twin fitted to its machine: width with its interval and residual over time, and in words."""
+"""Calibration: defect width and residual over time, spectra and a revolution, and a text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NAMES = 'machine', 'twin'
 FIELDS = 'measured_turn', 'twin_turn'
 ALIKE_DB = 10.0
-"""Difference of the spectra that is in the picture at least, dB."""
+"""Least range of the axis of the spectral difference, dB."""
 BARS = 400
 """Most bars of one revolution."""
 
@@ -45,7 +45,7 @@ class CalibrationPicture(Picture):
         return True
 
     def _draw_spectra(self, message: Any, time: int) -> None:
-        """Draw the spectra over each other, from the lowest level up: bars begin at zero."""
+        """Draw both spectra relative to their lowest level, since bars begin at zero."""
         both = [
             np.array(getattr(message, name, ()), dtype=np.float32)[1:]
             for name in ('measured_spectrum', 'twin_spectrum')
@@ -57,13 +57,13 @@ class CalibrationPicture(Picture):
             hertz = message.spectrum_step * np.arange(1, len(levels) + 1, dtype=np.float32)
             self._bars(f'spectrum/{name}', time, hertz, levels - ground, width)
         self._bars('difference/machine', time, hertz, both[0] - both[1], 1.0)
-        # An axis takes no range: bars without a width hold it open, so that alike looks alike.
+        # An axis takes no range: bars without width extend it, so that small differences look so.
         ends = np.array([-ALIKE_DB, ALIKE_DB], np.float32)
         self._bars('difference/axis', time, hertz[[0, 0]], ends, 0.0)
         self.asset.panels.add('fitted_spectrum')
 
     def _draw_turns(self, message: Any, time: int) -> None:
-        """Draw a revolution of each over the other: of neighbouring samples the largest."""
+        """Draw a revolution of machine and twin; each bar is the largest of a group of samples."""
         for name, field, share in zip(NAMES, FIELDS, (1.0, 0.4), strict=True):
             turn = np.array(getattr(message, field, ()), dtype=np.float32)
             if not len(turn):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of any type: every number that it holds as a line, every array as bars."""
+"""Messages of any type: numbers as lines, arrays as bars."""
 
 from __future__ import annotations
 
@@ -54,12 +54,12 @@ def scalars(message: Any, prefix: str = '') -> Iterator[tuple[str, Any]]:
 
 
 class AnyPicture(Picture):
-    """Draw a message of a type that is not known."""
+    """Draw messages of any other type."""
 
     kind = 'numbers'
 
     def draw(self, message: Any, time: int) -> bool:
-        """Draw what can be drawn at ``time`` in ns."""
+        """Draw the numbers and arrays of a message at ``time`` in ns."""
         series: dict[str, tuple[float, str, Colour]] = {}
         arrays = False
         labels = _labels(message)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Coloured lanes: a state over time that is read from across a room."""
+"""Coloured lanes: a state over time, legible from across a room."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 AGAIN = 10_000_000_000
-"""What lasts is logged again after this time, ns: servers forget, viewers come late."""
+"""Period after which unchanged data are logged again, ns: servers forget, viewers come late."""
 
 
 class Lane:
-    """One lane; ``states`` by the number that a message gives them."""
+    """One lane; ``states`` are indexed by the number in the message."""
 
     def __init__(self, canvas: Canvas, name: str, states: Sequence[State]) -> None:
         self._canvas = canvas
@@ -33,7 +33,7 @@ class Lane:
         self._time = 0
 
     def set(self, number: int, time: int) -> None:
-        """Note the state at ``time`` in ns; changes, and what lasts once more."""
+        """Log the state at ``time`` in ns if it has changed, or again after ``AGAIN``."""
         if not 0 <= number < len(self._states):
             return
         if number == self._last and 0 <= time - self._time < AGAIN:
@@ -60,7 +60,7 @@ class HealthPicture(Picture):
         self._lanes: dict[str, Lane] = {}
 
     def draw(self, message: Any, time: int) -> bool:
-        """Note the levels at ``time`` in ns."""
+        """Log the levels at ``time`` in ns."""
         for status in message.status:
             name = entity(status.name)
             lane = self._lanes.get(name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What every picture of a topic is: something that takes messages and draws on a canvas."""
+"""Base class of pictures: a picture takes the messages of a topic and draws on a canvas."""
 
 from __future__ import annotations
 
@@ -25,62 +25,61 @@ if TYPE_CHECKING:
 
 
 LOW = 0.7
-"""Part of a power of ten up to which each tenth is numbered on an axis from 0, a quarter of a
-laptop's screen high."""
+"""Fraction of a power of ten up to which the viewer numbers each tenth on an axis from 0, a
+quarter of a laptop's screen high."""
 ABOVE = 1.08
-"""Height of an axis from 0 over the highest value, which would lie on the edge of the picture."""
+"""Ratio of an axis from 0 to its highest value, which would else lie on the picture's edge."""
 
 
 @dataclass
 class Asset:
-    """What the pictures of one bearing know of each other."""
+    """State that the pictures of one bearing share."""
 
     namespace: str = ''
-    """'' at the top."""
+    """'' for the root namespace."""
     narrow: bool = False
     """Whether it stands beside another recording."""
     full: bool = False
     """Draw every sample of the vibration instead of a part of each second and its envelope."""
     temperature: float = math.nan
-    """Latest, degC: of the twin where there is one, else measured."""
+    """Latest temperature, degC: of the twin if there is one, else measured."""
     thermometer: str = ''
-    """Topic of the temperature that counts while there is no twin."""
+    """Topic of the measured temperature that is used while there is no twin."""
     twin: bool = False
-    """Whether a twin has spoken."""
+    """Whether a TwinState has arrived."""
     diagnosis: Any = None
     """Latest Diagnosis message."""
     judged: int = 0
-    """Time at which that is drawn, ns."""
+    """Time at which the latest diagnosis is drawn, ns."""
     sources: defaultdict[str, Source] = field(default_factory=lambda: defaultdict(Source))
-    """Of all bearings of the recording by namespace: a fleet says what made the vibration of each.
-    """
+    """Sources of all bearings by namespace: the parameters of a fleet belong to several."""
     scales: Scales = field(default_factory=Scales)
-    """Of all recordings, where several stand side by side."""
+    """Scales of all recordings that are drawn side by side."""
     headline: Headline = field(default_factory=Headline)
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
     unit: str = ''
-    """Of the vibration that the verdict is about."""
+    """Unit of the vibration that the verdict is about."""
     units: dict[str, str] = field(default_factory=dict)
-    """Of each topic of vibration."""
+    """Unit of each vibration topic."""
     panels: set[str] = field(default_factory=set)
-    """Keys of the panels over time that have values, and paths of those over temperature;
-    ``severity`` where the level of a verdict depends on the velocity."""
+    """Keys of panels over time that have values, paths of those over temperature, and ``severity``
+    if the level of a verdict depends on the velocity."""
 
     @property
     def source(self) -> Source:
-        """Of its vibration."""
+        """Source of its vibration."""
         return self.sources[self.namespace]
 
 
 class Picture:
-    """One topic as it is drawn."""
+    """Picture of one topic."""
 
     kind = ''
-    """What the layout takes it for; '' for something that has no view."""
+    """Kind by which the layout chooses the views; '' for pictures without a view."""
     panels: Sequence[Panel] = ()
     """Quantities that are drawn over time."""
     low = LOW
-    """`LOW` of the height that their views have."""
+    """`LOW` for the height of their views."""
 
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         self.canvas = canvas
@@ -88,17 +87,17 @@ class Picture:
         self.trends = Trends(canvas, asset, self.panels, self.low)
 
     def draw(self, message: Any, time: int) -> bool:
-        """Draw a message at ``time`` in ns; return whether there is something to be seen."""
+        """Draw a message at ``time`` in ns; return whether anything is shown."""
         raise NotImplementedError
 
     def flush(self, *, slow: bool) -> None:
-        """Send what is held; ``slow``: the lines that can wait too."""
+        """Send what is held, with ``slow`` the slow lines too."""
         if slow:
             self.trends.flush()
         self.canvas.flush(slow=slow)
 
     def finish(self) -> None:
-        """Draw what only the end of a recording tells."""
+        """Draw what is known only at the end of a recording."""
 
 
 class Trends:
@@ -115,7 +114,7 @@ class Trends:
         self._rows: list[list[float]] = []
 
     def hold(self, message: Any, time: int) -> None:
-        """Take a message at ``time`` in ns."""
+        """Hold the quantities of a message at ``time`` in ns."""
         self._asset.unit = pretty(getattr(message, 'unit', self._asset.unit))
         self._times.append(time)
         self._rows.append(
@@ -123,7 +122,7 @@ class Trends:
         )
 
     def flush(self) -> None:
-        """Hand what is held to the canvas; a line has a gap where a quantity does not exist."""
+        """Draw the held quantities on the canvas; missing values are left out."""
         if not self._rows:
             return
         times = np.array(self._times, dtype=np.int64)

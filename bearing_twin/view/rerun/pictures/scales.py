@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Scales that recordings side by side share: one number is then as high in every picture."""
+"""Scales that recordings side by side share, so that equal values have equal heights."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import numpy as np
 
 
 class Scales:
-    """Largest values of the messages taken; 0 and None where there were none."""
+    """Largest values of the messages taken; 0 or None if there were none."""
 
     def __init__(self) -> None:
         self.index = 0.0
@@ -29,7 +29,7 @@ class Scales:
 
     @property
     def vibration(self) -> float:
-        """Largest magnitude of the vibration; 0 where it is of different units."""
+        """Largest magnitude of the vibration; 0 if the units differ."""
         return self._peak if len(self._units) == 1 else 0.0
 
     @property

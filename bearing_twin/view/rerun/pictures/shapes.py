@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Solid bodies of revolution that a bearing is drawn from. Lengths in mm, axis of the shaft z."""
+"""Solids of revolution that make up a drawn bearing; lengths in mm, the shaft's axis is z."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 TURN = 96
 """Facets of a turn."""
 MILLI = 1e3
-# The geometry knows balls and pitch circle only. The rest follows the proportions of a
-# deep-groove bearing of the 63 series and is for the eye.
+# The geometry has only balls and pitch circle. The other proportions are those of a deep-groove
+# bearing of the 63 series and serve the picture only.
 RING = 0.33
 SHOULDER = 0.27
 WIDTH = 1.5
@@ -28,24 +28,24 @@ CUT = 0.08
 
 
 def outer_radius(bearing: Bearing) -> float:
-    """Radius of the outer ring's outside, mm."""
+    """Return the outer radius of the outer ring, mm."""
     return MILLI * (0.5 * bearing.d_pitch + (0.5 + RING) * bearing.d_ball)
 
 
 def inner_radius(bearing: Bearing) -> float:
-    """Radius of the bore, mm."""
+    """Return the radius of the bore, mm."""
     return MILLI * max(
         0.5 * bearing.d_pitch - (0.5 + RING) * bearing.d_ball, 0.15 * bearing.d_pitch
     )
 
 
 def face(bearing: Bearing) -> float:
-    """Height of the plane in which the rings are cut open, mm."""
+    """Return the z of the plane at which the rings are cut open, mm."""
     return MILLI * CUT * bearing.d_ball
 
 
 def width(bearing: Bearing) -> float:
-    """Width of the rings, mm."""
+    """Return the width of the rings, mm."""
     return MILLI * WIDTH * bearing.d_ball
 
 
@@ -99,7 +99,7 @@ def _ring(bearing: Bearing, far: float, sign: float) -> NDArray[np.float64]:
     """
     Profile of a ring whose groove faces the balls; sign 1 outer ring, -1 inner ring.
 
-    The front is cut off at :func:`face`, so that the balls are seen in their groove.
+    The front is cut off at :func:`face`, so that the balls can be seen in their groove.
     """
     ball, pitch = MILLI * bearing.d_ball, 0.5 * MILLI * bearing.d_pitch
     back, front = -0.5 * width(bearing), face(bearing)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Spectrum and squared envelope spectrum as bars over Hz, marks of the combs below the axis."""
+"""Spectrum and squared envelope spectrum as bars over Hz, with comb marks below the axis."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ if TYPE_CHECKING:
 
 
 BARS = 200
-"""Most bars drawn, of two pixels or more each; of neighbouring bins the highest is kept."""
+"""Most bars drawn, of two pixels or more each; the highest of neighbouring bins is kept."""
 MARK = 0.1
-"""Length of the marks below the axis, as part of the axis above it."""
+"""Length of the marks below the axis, relative to the axis above it."""
 MARK_WIDTH = 1.0 / 200.0
-"""Width of a mark, as part of the frequencies shown."""
+"""Width of a mark, relative to the frequencies shown."""
 STEP = 0.25
-"""Step of the height from which marks take their length."""
+"""Step to which axis heights are rounded up, as modulation index; marks scale with them."""
 HIGH, LOW = 0.6, 0.35
-"""Part of a power of ten up to which a laptop numbers each tenth on the axis of the index, and on
-that of the first harmonic."""
+"""Fractions of a power of ten up to which a laptop numbers each tenth on the axis of the index,
+and on that of the first harmonic."""
 LEGEND = (740, 80)
 """Width and height of the legend, pixels."""
 COLOURS = {family.key: family.colour for family in FAMILIES} | {'shaft': LINE['ground']}
 LIMITS = {'limit': INDEX_FAULT, 'remark': INDEX_SUSPECT}
-"""By their colour: of a fault, and of suspect."""
+"""Limits of the modulation index by colour: of a fault, and of suspect."""
 NARROW, WIDE = 4.0, 6.0
 """
-Most steps of 1, 10, 100 Hz over which the viewer numbers an axis at each step, beside another
-recording and alone, on a laptop's screen.
+Most steps of 1, 10 or 100 Hz at which the viewer numbers every step on a laptop's screen, beside
+another recording and alone.
 """
 
 
@@ -76,7 +76,7 @@ class SpectrumBars(Picture):
         return True
 
     def finish(self) -> None:
-        """Show the window of the worst sustained verdict, where the card shows it."""
+        """Show the window of the worst sustained verdict if the card shows that verdict."""
         headline = self.asset.headline
         if not headline.ending:
             return
@@ -91,15 +91,15 @@ class SpectrumBars(Picture):
         self.kind = 'envelope_spectrum'
         whole, near = picture.deciding(), picture.zoom()
         whole = picture.cut(0.0, numbered(whole.end, NARROW if self.asset.narrow else WIDE))
-        # A healthy spectrum stays low: the axis always holds the limit of a fault.
-        # In steps, so that marks stay what they are.
+        # The axis always includes the limit of a fault, so that a healthy spectrum stays low.
+        # It grows in steps, so that the marks keep their length.
         top = max(float(whole.values.max()), self.asset.scales.index, INDEX_FAULT)
         top = STEP * math.ceil(top / STEP)
         self._part('whole', time, whole, top)
         width = MARK_WIDTH * whole.end
         if self._changed('whole/limit', time, np.array([whole.end]), top, width):
-            # A bar begins at its place: as wide as the axis these are dark grounds, whose upper
-            # edges are the limits.
+            # A bar begins at its abscissa: these dark bars are as wide as the axis, and their
+            # upper edges are the limits.
             for name, limit in LIMITS.items():
                 red, green, blue = LINE[name]
                 ground = red // 7, green // 7, blue // 7
@@ -129,7 +129,7 @@ class SpectrumBars(Picture):
     def _hold(
         self, name: str, time: int, end: NDArray[np.float64], top: float, width: float
     ) -> None:
-        """Have an axis go up to ``top``: it takes no range, but holds a thin bar at its end."""
+        """Extend an axis to ``top`` with a thin bar at its end, since it takes no range."""
         self._bars(name, time, end, np.array([top]), 0.1 * width, LINE['grid'])
 
     def _part(self, name: str, time: int, picture: SpectrumPicture, top: float) -> None:
@@ -150,7 +150,7 @@ class SpectrumBars(Picture):
             for key, comb in combs.items()
             if self._marks(key, time, comb, picture, MARK * (top or 1.0))
         }
-        # Another fault may have been found in the window before.
+        # The window before may have shown another fault: its marks are cleared.
         for key in [k for k in self._marked if k.startswith(f'{name}/') and k not in shown]:
             if not key.endswith('/limit'):
                 self.canvas.put(key, time, rr.Clear(recursive=False))
@@ -162,7 +162,7 @@ class SpectrumBars(Picture):
         """
         Mark the lines of a comb; return whether there are any.
 
-        Long are the ones found, short the nominal, half as long the sidebands.
+        Marks of harmonics found are long, nominal ones short; those of sidebands are half as long.
         """
         lines, sides = comb.harmonics(picture.end), comb.sidebands(picture.end)
         lines, sides = lines[lines >= picture.start], sides[sides >= picture.start]
@@ -176,7 +176,7 @@ class SpectrumBars(Picture):
     def _changed(
         self, name: str, time: int, places: NDArray[np.float64], length: float, width: float
     ) -> bool:
-        """Whether marks are to be drawn: anew, elsewhere to the eye, or since servers forget."""
+        """Whether marks are to be drawn: new, visibly moved, or after ``AGAIN``."""
         before, long, drawn = self._marked.get(name, (places[:0], 0.0, 0))
         there = before.size == places.size and long == length
         if there and abs(before - places).max() < 0.25 * width and 0 <= time - drawn < AGAIN:
@@ -196,7 +196,7 @@ class SpectrumBars(Picture):
         axis = frequencies.tobytes(), width
         before, drawn = self._axes.get(name, (None, 0))
         if axis == before and 0 <= time - drawn < AGAIN:
-            # Where the bars stand is still known, and takes twice as long to say as their heights.
+            # The positions are unchanged, and sending them takes twice as long as the heights.
             bars = rr.BarChart.from_fields(values=vector(values))
         else:
             self._axes[name] = axis, time
@@ -209,10 +209,11 @@ class SpectrumBars(Picture):
 
 def numbered(end: float, steps: float) -> float:
     """
-    Return where an axis from 0 is to end, so that the viewer writes two numbers on it.
+    Return the end of an axis from 0 to about ``end`` on which the viewer writes two numbers.
 
-    It numbers each power of ten if there are at most so many of them on the axis, else each tenth
-    of them: the axis then ends at the nearest place where there are so few, or ten.
+    The viewer numbers every multiple of a power of ten if at most ``steps`` of them fit on the
+    axis, else every tenth multiple. A longer axis therefore ends at ``steps`` or at ten multiples,
+    whichever is nearer.
 
     Examples
     --------
@@ -230,8 +231,8 @@ def vector(values: NDArray[np.floating]) -> pa.Array:
     """
     Return a vector, shape (n,), as the Arrow array in which Rerun keeps a tensor.
 
-    Rerun makes an empty array for each of the eleven other types of number anew, which takes five
-    times as long; here they come from a tensor that Rerun has made once.
+    Rerun makes a new empty array for each of the eleven other types of number, which takes five
+    times as long. Here they are reused from a tensor that Rerun has made once.
     """
     blank, names, heads, kinds, own = _tensor()
     kinds, union = list(kinds), blank.field('buffer').type
@@ -246,7 +247,7 @@ def vector(values: NDArray[np.floating]) -> pa.Array:
 
 @cache
 def _tensor() -> tuple[pa.StructType, pa.Array, list[pa.Buffer], list[pa.Array], int]:
-    """Return the type of a tensor, its names, and of its numbers head, all types, the one used."""
+    """Return a tensor's type, names, buffer heads, arrays by number type, and index of its own."""
     blank = rr.components.TensorDataBatch(np.zeros(1)).as_arrow_array()
     buffer = blank.field('buffer')
     kinds = [buffer.field(k) for k in range(buffer.type.num_fields)]
@@ -257,13 +258,13 @@ def _tensor() -> tuple[pa.StructType, pa.Array, list[pa.Buffer], list[pa.Array],
 @lru_cache(maxsize=32)
 def _legend(hertz: tuple[tuple[str, str], ...]) -> bytes:
     """
-    Return the names of the colours as PNG: a legend in the plot would cover lines.
+    Return a colour legend as PNG: a legend in the plot would cover lines.
 
     Parameters
     ----------
     hertz
-        Fundamental of combs by their family: an axis of the viewer may have one number, and the
-        marks then tell the scale.
+        Family and fundamental of the combs. If an axis has only one number, they give the scale to
+        the marks.
 
     """
     known = dict(hertz)

@@ -30,7 +30,7 @@ class Spectrogram:
     """
     Keep one minute of spectra in steps of 0.2 s and draw it once a second.
 
-    Below 960 Hz a step is as long as one spectrum, and the picture spans more than a minute.
+    Below a rate of 960 Hz a step is one spectrum long, and the picture spans more than a minute.
 
     The scale runs 60 dB down from the highest value seen, in whole steps of 10 dB, so that
     colours keep their meaning.
@@ -48,7 +48,7 @@ class Spectrogram:
         self._labelled = (0.0, 0.0)
 
     def add(self, samples: NDArray[np.float64], time: int, rate: float, unit: str) -> None:
-        """Take samples that begin at ``time`` in ns; at another rate it begins anew."""
+        """Add samples that begin at ``time`` in ns; another sample rate starts over."""
         if rate != self._rate:
             self._rate, self._pending = rate, np.empty(0)
             self.levels[:] = -np.inf

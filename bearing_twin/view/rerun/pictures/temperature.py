@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Temperature as measured, with a band of one standard deviation where the sensor gives it."""
+"""Measured temperature, with a band of one standard deviation if the sensor gives it."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class TemperaturePicture(Picture):
         self._held: list[tuple[int, float, float]] = []
 
     def draw(self, message: Any, time: int) -> bool:
-        """Hold a temperature at ``time`` in ns; no band where its variance is 0."""
+        """Hold a temperature at ``time`` in ns; without a band if its variance is 0."""
         value, variance = float(message.temperature), float(message.variance)
         if not math.isfinite(value):
             return False
         own = self.canvas.root
         if own.endswith('/temperature') or not self.asset.thermometer:
-            # Beside that of the bearing there may be one of the room.
+            # There may be another temperature, such as that of the room.
             self.asset.thermometer = own
         if not self.asset.twin and self.asset.thermometer == own:
             self.asset.temperature = value
@@ -53,7 +53,7 @@ class TemperaturePicture(Picture):
         return True
 
     def flush(self, *, slow: bool) -> None:
-        """Log what is held."""
+        """Log the held temperatures."""
         if slow and self._held:
             held, self._held = self._held, []
             times, values, variances = zip(*held, strict=True)

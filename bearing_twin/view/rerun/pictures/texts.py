@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages that are read: parameters of a node, its log, texts."""
+"""Messages shown as text: parameters of a node, its log, strings."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ class CheckpointPicture(Picture):
 
 def parameter_tables(values: Any, prefix: str = '') -> dict[str, dict[str, Any]]:
     """
-    Return flat tables of parameters by the name of what they belong to.
+    Return flat tables of parameters by asset.
 
-    A node has one, called ''. A fleet has one for each of its assets.
+    A node has one table, called ''. A fleet has one for each of its assets.
     """
     if not isinstance(values, dict):
         return {}
@@ -83,6 +83,6 @@ class TextPicture(Picture):
 
 
 def entity(text: str) -> str:
-    """Return a part of an entity path that stands for any text."""
+    """Return a text as a valid part of an entity path."""
     kept = ''.join(c if c.isalnum() or c in '-_.' else '_' for c in text.strip())
     return '_'.join(filter(None, kept.split('_'))) or 'unnamed'

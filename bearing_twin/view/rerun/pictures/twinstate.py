@@ -44,13 +44,13 @@ class TwinPicture(Picture):
         return True
 
     def flush(self, *, slow: bool) -> None:
-        """Send the poses that are held too."""
+        """Send what is held, the poses too."""
         if self._solid is not None:
             self._solid.flush()
         super().flush(slow=slow)
 
     def _solid_of(self, message: Any) -> Bearing3D | None:
-        """Return the bearing; None, and why, where geometry or pose is not known."""
+        """Return the drawn bearing; None, and log why, if its geometry or pose is unknown."""
         name = str(getattr(message, 'bearing', ''))
         if self._solid is None and name != self._unknown:
             try:

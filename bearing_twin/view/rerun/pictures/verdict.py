@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnosis: the verdict as a card, a lane and in words; evidence and severity as trends."""
+"""Diagnosis: the verdict as a card, a lane and a text; evidence and severity as trends."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class VerdictPicture(Picture):
         """Draw a diagnosis whose window begins at ``time`` in ns."""
         if self._begin is None:
             self._begin = time
-        # The stamp is that of the window's first sample; what it says is known at its end.
+        # The stamp is that of the window's first sample; the verdict is known at its end.
         if message.sample_rate > 0.0:
             time += samples_ns(message.sample_count, message.sample_rate)
         self.asset.diagnosis = message
@@ -58,7 +58,7 @@ class VerdictPicture(Picture):
         if judged_by_velocity(message):
             self.asset.panels.add('severity')
         self._lane.set(result, time)
-        # Every time, not only when it changes: a server forgets the oldest first.
+        # Logged every time, not only on changes: a server forgets the oldest first.
         self.canvas.put(
             'card',
             time,
@@ -70,7 +70,7 @@ class VerdictPicture(Picture):
         return True
 
     def finish(self) -> None:
-        """Show the worst sustained verdict, where the recording ends with another one."""
+        """Show the worst sustained verdict if the recording ends with another one."""
         if not (end := self._headline.ending):
             return
         worst, time = self._headline.worst.best, self.asset.judged + 1
@@ -92,7 +92,7 @@ class VerdictPicture(Picture):
         for name, other in (('Level', 'Velocity'), ('Shaft', 'Temperature')):
             one, two = (next((r for r in rows if r[0] == n), None) for n in (name, other))
             if one and two and len(both := f'{one[1]}, {two[1]}') <= longest:
-                # A line less leaves room for the sentence that says why it is no other fault.
+                # One row less leaves room for the reason why it is no other fault.
                 rows[rows.index(one)] = name, both
                 rows.remove(two)
         # The cells of a table do not wrap.
@@ -108,11 +108,11 @@ class VerdictPicture(Picture):
 @lru_cache(maxsize=32)
 def _card(number: int, text: str, below: str = '') -> bytes:
     """
-    Return a verdict as a coloured PNG with letters as large as fit: read from across a room.
+    Return a verdict as a coloured PNG, its letters as large as fit: legible across a room.
 
     Notes
     -----
-    The headings of a viewer's text are of one size, a few millimetres on a screen.
+    Headings in the viewer have one size, a few millimetres on a screen.
 
     """
     known = 0 <= number < len(VERDICTS)

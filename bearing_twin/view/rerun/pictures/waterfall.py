@@ -25,9 +25,9 @@ WIDTH, DEPTH, HEIGHT = 10.0, 9.0, 1.6
 
 class Waterfall:
     """
-    Draw the strips of the waveform over temperature one behind the other.
+    Draw the waveform strips over temperature, one behind the other.
 
-    The scale holds their peak, at least ``peak``.
+    The scale includes their peak, at least ``peak``.
     """
 
     def __init__(self, canvas: Canvas, name: str, peak: float) -> None:
@@ -38,7 +38,7 @@ class Waterfall:
     def draw(self, strips: Strips, time: int, unit: str) -> None:
         """Draw the strips at ``time`` in ns."""
         swings = {step: s.samples - np.nanmean(s.samples) for step, s in sorted(strips.items())}
-        # None are left where the defect has just changed.
+        # There are no strips just after the defect has changed.
         peak = max([self._peak, *(float(np.nanmax(np.abs(s))) for s in swings.values())])
         scale = 10.0 ** np.ceil(np.log10(max(peak, 1e-12)))
         scale = next(s for s in (scale / 5.0, scale / 2.0, scale) if s >= peak)
@@ -95,6 +95,6 @@ def _depth(temperature: float) -> float:
 
 
 def _colour(temperature: float) -> tuple[int, int, int]:
-    """Return blue for cold over violet to red for hot."""
+    """Return a colour from blue (cold) over violet to red (hot)."""
     part = float(np.clip((temperature - COLD) / (HOT - COLD), 0.0, 1.0))
     return round(60 + 180 * part), round(110 - 50 * part), round(230 - 180 * part)

@@ -28,19 +28,19 @@ if TYPE_CHECKING:
 
 
 FINE, COARSE = 16, 64
-"""Samples behind one pair of the close look and of the envelope."""
+"""Samples per pair of lowest and highest, in the close view and in the envelope."""
 BURST = 0.25
-"""Part of each second that is drawn sample by sample, unless everything is, s."""
+"""Part of each second that is drawn sample by sample, unless all of it is, s."""
 LARGE = 0.6
-"""Part of a power of ten up to which each tenth is numbered on an axis of both signs, half a
-laptop's screen high."""
+"""Fraction of a power of ten up to which the viewer numbers each tenth on an axis of both signs,
+half a laptop's screen high."""
 AXES = {'y': ('vertical', 'blue'), 'x': ('horizontal', 'olive')}
 """Direction and colour by the field of the message."""
 
 
 @dataclass
 class _Piece:
-    """Blocks that follow on without a gap."""
+    """Consecutive blocks without a gap."""
 
     time: int
     rate: float
@@ -50,7 +50,7 @@ class _Piece:
     def goes_on(
         self, axes: Mapping[str, NDArray[np.float64]], time: int, rate: float, unit: str
     ) -> bool:
-        """Whether a block is the one that follows, to half a sample."""
+        """Whether a block follows the piece, to within half a sample."""
         if (list(axes), rate, unit) != (list(self.axes), self.rate, self.unit):
             return False
         size = sum(part.size for part in next(iter(self.axes.values())))
@@ -66,9 +66,9 @@ class Waveform(Picture):
     """
     Draw the blocks of one vibration topic.
 
-    The close look has every sample where the asset asks for that. Else it has every sample of the
-    first quarter of each second, and of the rest the lowest and highest of 16: a quarter of the
-    size, and the same picture except at the closest look.
+    The close view has every sample if the asset asks for it. Otherwise it has every sample of the
+    first quarter of each second, and the lowest and highest of 16 in the rest: a quarter of the
+    size, and the same picture except at the closest zoom.
     """
 
     kind = 'vibration'
@@ -84,7 +84,7 @@ class Waveform(Picture):
         self._source, self._over, self._apart = asset.source, asset.over_temperature, False
 
     def stand_apart(self) -> None:
-        """Be another sensor than that of the verdict: at its temperature, with own means."""
+        """Become a sensor other than the verdict's, with a source and means of its own."""
         self._source, self._over, self._apart = Source(), OverTemperature(), True
 
     def draw(self, message: Any, time: int) -> bool:
@@ -112,7 +112,7 @@ class Waveform(Picture):
         return True
 
     def flush(self, *, slow: bool) -> None:
-        """Draw what is held; what follows on without a gap as one."""
+        """Draw the held blocks; blocks without a gap are drawn as one."""
         pieces, self._pieces = self._pieces, []
         for piece in pieces:
             axes = {axis: np.concatenate(parts) for axis, parts in piece.axes.items()}
@@ -133,7 +133,7 @@ class Waveform(Picture):
         super().flush(slow=slow)
 
     def finish(self) -> None:
-        """Draw the means over temperature with what came last."""
+        """Draw the final means over temperature."""
         if self._time:
             self._over_temperature(self._time)
 
@@ -192,8 +192,8 @@ class Waveform(Picture):
     def _hold(
         self, name: str, samples: NDArray[np.float64], piece: _Piece, *, slow: bool = False
     ) -> None:
-        """Hold the next power of ten on the axis, where it would have no number but 0."""
-        # Part by part: the view shows less than a piece, or more.
+        """Extend the axis to the next power of ten if 0 would be its only number."""
+        # In eighths: the view may show less than a piece, or more.
         edges = np.arange(0, samples.size, max(1, samples.size // 8))
         peaks = np.maximum.reduceat(np.abs(samples), edges)
         ends = np.array([held(float(peak), LARGE) for peak in peaks])
