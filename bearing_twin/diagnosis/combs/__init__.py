@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Lines of one bearing in envelope spectra: combs of harmonics, their sidebands and scores."""
+"""Combs of the fault orders in envelope spectra: their scores, harmonics and sidebands."""

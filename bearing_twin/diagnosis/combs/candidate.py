@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Combs that may be of a fault place."""
+"""Candidates: combs that may belong to a fault place."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 
 RACES = ('inner', 'outer')
-"""Places whose sidebands of the shaft are measured."""
+"""Places whose shaft sidebands are measured."""
 UNTESTED = 1.0
 """Sideband ratio of a comb whose sidebands were not measured."""
 
@@ -27,33 +27,33 @@ class Candidate:
 
     place: str
     order: float
-    """Measured fundamental, multiples of the shaft speed."""
+    """Measured fundamental, in multiples of the shaft speed."""
     slip: float
-    """Cage slip that explains it."""
+    """Cage slip that explains the order."""
     z: float
-    """Score less the cost of an unlikely slip."""
+    """Score less the cost of the slip, standard deviations."""
     index: float
     """Modulation index."""
     band: int = 0
-    """Number of the band in the tree."""
+    """Index of the band in the band tree."""
     harmonics: int = HARMONICS
-    """Number of harmonics that are not masked by one of the shaft."""
+    """Number of harmonics that no multiple of the shaft masks."""
     shaft_sideband_ratio: float = UNTESTED
     """Mean amplitude of the shaft sidebands over that of the harmonics."""
 
     @property
     def weight(self) -> float:
         """
-        Weight by which faults that claim the same lines are compared.
+        Weight for comparing faults that claim the same lines.
 
-        The sidebands of a race fault are lower than its harmonics, so a comb beside higher lines
+        The sidebands of a race fault are lower than its harmonics. So a comb beside higher lines
         is more likely a sideband itself.
         """
         return self.z * self.index / max(self.shaft_sideband_ratio, 0.25)
 
     @property
     def significant(self) -> bool:
-        """Whether it is neither chance nor too weak for a remark."""
+        """Whether the comb is neither chance nor too weak to be reported."""
         least = Z_CAGE if self.place == 'cage' else Z_FAULT
         return self.z >= least and self.index >= INDEX_SUSPECT and self.harmonics >= 2
 
@@ -66,16 +66,16 @@ class Candidate:
 
 
 class Claims(NamedTuple):
-    """Combs after each that two places claim has been given to one of them."""
+    """Combs, after each comb that two places claim has been assigned to one of them."""
 
     kept: tuple[Candidate, ...]
     contested: tuple[tuple[Candidate, Candidate], ...] = ()
-    """Pairs of (stronger, weaker) where neither sidebands nor slip tell whose comb it is."""
+    """Pairs of (stronger, weaker) if neither sidebands nor slip tell the place of a comb."""
 
 
 class LoadZone(NamedTuple):
-    """Combs without the shaft sidebands of an inner race that passes through the load zone."""
+    """Combs that are no shaft sidebands of an inner race in the load zone."""
 
     kept: tuple[Candidate, ...]
     uncertain: Candidate | None = None
-    """A removed comb that is the strongest, while the inner race's does not lead clearly."""
+    """Removed comb that is the strongest, if the inner race's comb is not clearly stronger."""

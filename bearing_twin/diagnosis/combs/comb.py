@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Comb scores of envelope spectra over shaft orders, against their own empirical null."""
+"""Comb scores of envelope spectra over shaft orders, against an empirical null."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _LOWEST_ORDER = 0.3
 @dataclass(frozen=True)
 class OrderSpectra:
     """
-    Envelope spectra over shaft orders: one window's, or the mean of several.
+    Envelope spectra over shaft orders, of one window or the mean of several.
 
     Row k belongs to order (k + 1) step. Columns are bands, whitening by whitening.
     """
@@ -38,26 +38,26 @@ class OrderSpectra:
     step: float
     """Orders a bin."""
     logs: NDArray[np.float32]
-    """(K, W B): mean of log(1 + power / floor)."""
+    """(K, W B) mean of log(1 + power / floor)."""
     excess: NDArray[np.float32]
-    """(K, B): relative power above the floor, lines capped."""
+    """(K, B) relative power above the floor, with lines capped."""
     carrier: NDArray[np.float32]
-    """(B,): lower edge of each band, orders."""
+    """(B,) lower edge of each band, orders."""
     given: float = 1.0
-    """Shaft speed handed in over the refined one, on which the orders rest."""
+    """Given shaft speed over the refined one, which the orders are multiples of."""
     weight: float = 1.0
     """Number of independent windows in the mean."""
     hidden: NDArray[np.bool_] | None = None
-    """(K,) mask of bins that say nothing; None: each says what it holds."""
+    """(K,) mask of bins that are left out; None: all bins count."""
     highest: float = math.inf
     """Half of the sample rate, orders."""
 
     @classmethod
     def of_lines(cls, orders: NDArray[np.floating]) -> OrderSpectra:
         """
-        Return spectra of noise with lines at some orders, as the examples need them.
+        Return spectra of noise with lines at some orders, for the examples.
 
-        One band, 2000 rows of 0.01 orders.
+        They have one band and 2000 rows, 0.01 orders apart.
 
         >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 4))
         >>> spectra.excess[spectra.rows([3.07, 4.0]), 0].tolist()
@@ -71,19 +71,19 @@ class OrderSpectra:
         )
 
     def rows(self, orders: NDArray[np.floating] | Sequence[float]) -> NDArray[np.intp]:
-        """Nearest row of each order; rows beyond the end are the last one."""
+        """Return the nearest row of each order; the last row for higher orders."""
         index = np.rint(np.asarray(orders) * (1.0 / self.step)).astype(np.intp)
         index -= 1
         np.maximum(index, 0, out=index)
         return np.minimum(index, len(self.logs) - 1, out=index)
 
     def silenced(self, orders: NDArray[np.float64], half_width: float) -> OrderSpectra:
-        """Return the same without what bins within ``half_width`` orders of ``orders`` say."""
+        """Return the spectra without the bins within ``half_width`` orders of ``orders``."""
         return replace(self, hidden=self.quiet | self.near(orders, half_width))
 
     @cached_property
     def quiet(self) -> NDArray[np.bool_]:
-        """(K,) mask of the bins that say nothing."""
+        """(K,) mask of the bins that are left out."""
         return np.zeros(len(self.logs), np.bool_) if self.hidden is None else self.hidden
 
     @property
@@ -98,24 +98,24 @@ class OrderSpectra:
 
     @cached_property
     def off_shaft(self) -> OrderSpectra:
-        """The same without what the bins at multiples of the shaft say."""
+        """The spectra without the bins at multiples of the shaft."""
         return replace(self, hidden=self.quiet | self.at_shaft)
 
     def line_power(self, orders: NDArray[np.float64], columns: slice) -> NDArray[np.float32]:
-        """Power above the floor of lines, (..., C): each spreads over three bins."""
+        """Return the power of lines above the floor, (..., C), each summed over three bins."""
         first, end, _ = columns.indices(self.excess.shape[1])
         power = np.zeros((orders.size, end - first), np.float32)
         _three_bins(self.excess, self.quiet, orders.ravel(), self.step, first, power)
         return power.reshape(*orders.shape, -1)
 
     def near(self, orders: NDArray[np.float64], half_width: float) -> NDArray[np.bool_]:
-        """(K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
+        """Return a (K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
         mask = np.zeros(len(self.logs), np.bool_)
         _mark_near(orders, half_width, self.step, mask)
         return mask
 
     def at_given_speed(self) -> OrderSpectra:
-        """Return the same over orders of the speed handed in."""
+        """Return the spectra over orders of the given speed."""
         return replace(
             self,
             step=self.step / self.given,
@@ -132,16 +132,16 @@ def order_spectra(
     given_hz: float,
 ) -> OrderSpectra:
     """
-    Put the spectra of one window over orders of ``shaft_hz``.
+    Return the spectra of one window over orders of ``shaft_hz``.
 
     Parameters
     ----------
     spectra
         Squared envelope spectra.
     bands
-        Lower and upper edge of each band, Hz; the first is the whole range.
+        Lower and upper edge of each band, Hz; the first band is the whole range.
     shaft_hz, given_hz
-        Shaft speed refined and handed in, Hz.
+        Refined and given shaft speed, Hz.
 
     >>> from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     >>> ones = np.ones((400, 3), np.float32)
@@ -163,7 +163,7 @@ def order_spectra(
 
 def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
     """
-    Mean of several windows on the order grid of the last, which is the newest.
+    Return the mean of several windows on the order grid of the last one, the newest.
 
     >>> one = OrderSpectra(0.01, np.zeros((9, 1)), np.zeros((9, 1)), np.zeros(1))
     >>> mean = accumulate([one, replace(one, logs=np.ones((9, 1)))])
@@ -185,12 +185,12 @@ def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
 
 
 class CombScores(NamedTuple):
-    """Scores of all combs of a grid of fundamental orders, and the null they are judged by."""
+    """Scores of the combs at a grid of fundamental orders, and their null distribution."""
 
     grid: NDArray[np.float64]
     """(G,) fundamental orders."""
     z: NDArray[np.float64]
-    """(G,): best band, mean over whitenings, in standard deviations over the null."""
+    """(G,) score: best band, mean over whitenings, in standard deviations over the null."""
     center: NDArray[np.float32]
     """(W B,) median score of each band."""
     inverse: NDArray[np.float32]
@@ -198,11 +198,11 @@ class CombScores(NamedTuple):
     best_center: float
     """Median over the grid of the best-band score."""
     best_spread: float
-    """Its upper standard deviation."""
+    """Upper standard deviation of the best-band score over the grid."""
     whitenings: int
 
     def score(self, spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Score other spectra against this null: z (G,)."""
+        """Return the scores of other spectra against this null, (G,)."""
         best = np.empty(len(grid))
         best_bands(
             spectra.logs,
@@ -222,7 +222,7 @@ class CombScores(NamedTuple):
     def bands(
         self, spectra: OrderSpectra, order: float
     ) -> tuple[NDArray[np.float32], NDArray[np.intp]]:
-        """Score of one comb in each band, (W B,), and the column of the highest, (W,)."""
+        """Return the score of one comb in each band, (W B,), and the highest columns, (W,)."""
         scores, columns = np.empty_like(self.center), np.empty(self.whitenings, np.intp)
         comb_bands(
             spectra.logs, spectra.quiet, order, spectra.step, HARMONICS, self.center, self.inverse,
@@ -232,7 +232,7 @@ class CombScores(NamedTuple):
 
 
 def _sums(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Sum over the harmonics of each comb, (G, W B)."""
+    """Return the sum over the harmonics of each comb, (G, W B)."""
     sums = np.empty((len(grid), spectra.logs.shape[1]), np.float32)
     comb_sums(spectra.logs, spectra.quiet, grid, spectra.step, HARMONICS, sums)
     return sums
@@ -240,13 +240,13 @@ def _sums(spectra: OrderSpectra, grid: NDArray[np.float64]) -> NDArray[np.float3
 
 def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) -> CombScores:
     """
-    Score every comb whose fundamental lies between 0.3 orders and ``highest_order``.
+    Return the scores of all combs with a fundamental from 0.3 orders to ``highest_order``.
 
     The score of a comb is the sum of log(1 + power / floor) over its harmonics. Each band is
-    standardised over the whole grid, the best band is taken at each order, the whitenings are
-    averaged, and the result is standardised again: the gain from choosing the best band is thus
-    part of the null. Median and upper quantile (84 %) stand for mean and standard deviation, so
-    that the orders of a fault itself, few of the grid, do not widen the null.
+    standardised over the whole grid, the best band is taken at each order, and the whitenings are
+    averaged. The result is standardised again, so that the gain from choosing the best band is
+    part of the null. Median and upper quantile (84 %) replace mean and standard deviation, so that
+    the few orders of a fault do not widen the null.
 
     >>> rng = np.random.default_rng(0)
     >>> power = rng.exponential(size=(2000, 3))
@@ -260,7 +260,7 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
     """
     step = spectra.step / HARMONICS
     grid = np.arange(_LOWEST_ORDER, highest_order, step)
-    # Neighbours share bins: every fourth tells the distribution as well.
+    # Neighbours share bins: every fourth gives the same distribution.
     center, upper = column_quantiles(_sums(spectra, grid[::4]))
     inverse = np.float32(1.0) / np.maximum(upper - center, np.float32(1e-3))
     plain = CombScores(grid, grid, center, inverse, 0.0, 1.0, whitenings)
@@ -275,7 +275,7 @@ def comb_scores(spectra: OrderSpectra, highest_order: float, whitenings: int) ->
 def _mark_near(
     orders: NDArray[np.float64], half_width: float, step: float, mask: NDArray[np.bool_]
 ) -> None:
-    """Mark the rows within ``half_width`` orders of any of some orders in ``mask``, (K,)."""
+    """Mark in ``mask``, (K,), the rows within ``half_width`` orders of any of ``orders``."""
     count = len(mask)
     for order in orders:
         first = np.ceil((order - half_width) / step) - 1.0
@@ -294,9 +294,9 @@ def _three_bins(
     power: NDArray[np.float32],
 ) -> None:
     """
-    Add up each line's row and the two beside it: a line spreads over three bins.
+    Add the row of each line and the two beside it: a line spreads over three bins.
 
-    The B columns of ``excess``, (K, C), from ``first`` on are added to ``power``, (N, B).
+    B columns of ``excess``, (K, C), from ``first`` on, are added to ``power``, (N, B).
     """
     lines, columns = power.shape
     last = len(excess) - 1

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 
 _SHARP = 1.5
-"""Bins within which a shaft at a steady speed is two thirds as clear. Simulated ones are within
-1.1, and those whose speed drifts by 3 % in 8 s are not within 2.5."""
+"""Bins within which the lines of a shaft at a steady speed fall to two thirds of their clarity.
+They do so within 1.1 bins in simulations, and not within 2.5 if the speed drifts by 3 % in 8 s."""
 
 
 class CombHarmonics:
@@ -53,11 +53,11 @@ class CombHarmonics:
     speed
         Refined shaft speed.
     expected
-        Where the parts of the bearing show in the spectra.
+        Expected orders of the parts of the bearing.
     scores
-        What the spectra are scored by.
+        Scores of the spectra, with their null.
     sidebands
-        Those of the same combs.
+        Sidebands of the same combs.
 
     """
 
@@ -72,7 +72,7 @@ class CombHarmonics:
         self._whole, self._spectra = whole, whole.off_shaft
         self._expected, self._scores, self._sidebands = expected, scores, sidebands
         self._shaft_hz, self._tolerance = speed.shaft_hz, speed.tolerance
-        # Six harmonics of the shaft place its speed within a sixth of a bin of the first.
+        # Six harmonics of the shaft give its speed within a sixth of a bin of the first.
         found = whole.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
         measured = speed.tolerance <= STEADY
         self._spread = 0.0 if measured else speed.spread
@@ -81,20 +81,20 @@ class CombHarmonics:
         self._multiples: dict[float, int] = {}
 
     def columns(self, order: float) -> NDArray[np.intp]:
-        """Bands in which the comb at an order is highest, one of each whitening."""
+        """Return the bands in which the comb at an order is highest, one of each whitening."""
         if order not in self._columns:
             _, self._columns[order] = self._scores.bands(self._whole, order)
         return self._columns[order]
 
     def clear_columns(self, order: float) -> NDArray[np.intp]:
-        """Bands in which the comb at an order is about as high as in the highest."""
+        """Return the bands in which the comb at an order is about as high as in the best one."""
         scores, highest = self._scores.bands(self._whole, order)
         parts = np.split(scores, len(highest))
         shown = [part >= min(part.max(), part.max() / RIVAL) for part in parts]
         return np.flatnonzero(np.concatenate(shown))
 
     def multiple(self, order: float) -> int:
-        """Multiple of an order at which the true fundamental of its comb lies."""
+        """Return the multiple of an order that is the true fundamental of its comb."""
         if order not in self._multiples:
             columns, hidden = self.columns(order), self._whole.at_shaft
             found = missing_harmonics(self._whole, order, columns, self.clear_columns, hidden)
@@ -102,13 +102,13 @@ class CombHarmonics:
         return self._multiples[order]
 
     def impacts(self, candidate: Candidate) -> float:
-        """Mean log score, noise taken off, of the second to fourth harmonic of a comb."""
+        """Return the mean log score, less noise, of the second to fourth harmonic of a comb."""
         logs, hidden, step = self._whole.logs, self._whole.at_shaft, self._whole.step
         columns = self.columns(candidate.order)
         return mean_height(logs, hidden, candidate.order, step, (2, HARMONICS), columns)
 
     def high_harmonics_ratio(self, candidate: Candidate) -> float:
-        """Power of the fifth to eighth harmonic of a comb over that of the first four."""
+        """Return the power of harmonics 5 to 8 of a comb over that of the first four."""
         lines = candidate.order * np.arange(1.0, 2.0 * HARMONICS + 1.0)
         power = self._spectra.line_power(lines, slice(candidate.band, candidate.band + 1))
         low, high = (half.sum() for half in np.split(power, 2))
@@ -116,10 +116,10 @@ class CombHarmonics:
 
     def smooth(self, candidate: Candidate, *, masked: bool = False) -> bool:
         """
-        Whether a comb has its first harmonic, and neither the third nor the fourth.
+        Return whether a comb has the first harmonic, but neither the third nor the fourth.
 
-        Impacts have them. Noise times 1 + a cos has power of two harmonics only.
-        Lines that are multiples of the shaft's speed count where the comb is ``masked`` by them.
+        Impacts have all of them. The power of noise times 1 + a cos has two harmonics only. Lines
+        at multiples of the shaft count only if they mask the comb (``masked``).
         """
         spectra = self._whole if masked else self._spectra
         lines = candidate.order * np.array([1.0, 3.0, 4.0])
@@ -131,9 +131,10 @@ class CombHarmonics:
 
     def sound(self, candidate: Candidate, most: float) -> bool:
         """
-        Whether a comb is a smooth modulation as sound parts make it, of an index up to ``most``.
+        Return whether a comb is a smooth modulation by healthy parts, of an index up to ``most``.
 
-        One that lacks harmonics is of a series at a multiple, which no part of the bearing makes.
+        A comb that lacks harmonics belongs to a series at a multiple, which no part of the bearing
+        makes. It is tested there, with any index.
         """
         order = candidate.order
         multiple = self.multiple(order)
@@ -141,7 +142,7 @@ class CombHarmonics:
         return small and self.smooth(replace(candidate, order=multiple * order))
 
     def masked_by_shaft(self, candidate: Candidate) -> bool:
-        """Whether a comb may be a multiple of the shaft, no higher than the other multiples."""
+        """Return whether a comb may be a multiple of the shaft, no higher than the others."""
         return masked_by_shaft(
             self._whole,
             candidate.order,
@@ -151,18 +152,18 @@ class CombHarmonics:
         )
 
     def half_turn(self, candidate: Candidate) -> bool:
-        """Whether a comb may lie on a multiple of half a turn of the shaft."""
+        """Return whether a comb may lie on a multiple of half the order of the shaft."""
         slack = self._expected.uncertainty * candidate.order + 2.0 * self._spectra.step
         return abs(candidate.order - 0.5 * round(2.0 * candidate.order)) <= slack
 
     def whole_turns(self, candidate: Candidate) -> int:
         """
-        How often a part of the shaft would strike in a turn to make a comb; 0 if none can.
+        Return the strikes a turn with which a part of the shaft would make a comb; 0 if none can.
 
-        It can at a whole number within the uncertainty of a speed that neither a measurement nor
-        the lines of the shaft tell, and where the speed moves so that the comb smears over it.
-        What passes a load zone is an inner race, unless its sidebands are as high as its own lines
-        and fit the shaft as well.
+        It can if the order is a whole number within the uncertainty of a speed that neither a
+        measurement nor the lines of the shaft give, or if the speed moves so that the comb smears
+        over a whole number. A comb with the sidebands of a load zone is an inner race, unless they
+        are as high as its harmonics and fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
         inner, alike = candidate.place == 'inner', self._sidebands.alike(candidate)
@@ -171,7 +172,8 @@ class CombHarmonics:
                 return 0
             columns = np.array([candidate.band])
             return turns if spaced_by_shaft(self._whole, order, columns, self._tolerance) else 0
-        # Strikes once a turn have all lines alike, and look sharp where the speed moves a little.
+        # Strikes once a turn have equally high lines, which look sharp if the speed moves a
+        # little.
         strikes = alike and not inner
         if not turns or self._spread <= (0.0 if strikes else _SHARP * self._whole.step):
             return 0
@@ -183,17 +185,17 @@ class CombHarmonics:
         return turns if strikes or candidate.place != 'ball' else 0
 
     def _reaches(self, order: float, whole: float) -> bool:
-        """Whether a comb is half as clear at all orders from its own to a whole one."""
+        """Return whether a comb has half its score at all orders from its own to a whole one."""
         step = 0.25 * self._whole.step * (1.0 if whole > order else -1.0)
         z = self._scores.score(self._whole, np.arange(order, whole + 0.5 * step, step))
         return bool(len(z) == 0 or z.min() >= 0.5 * z[0])
 
     def mains_hz(self, candidate: Candidate) -> float:
         """
-        Frequency of the mains, Hz, whose pulses may make a comb; 0 if none do.
+        Return the frequency of the mains, Hz, whose pulses may make a comb; 0 if none do.
 
-        Rectifiers and converters pulse twice a period. Their series is then as high as its
-        multiple. Where the comb is the series itself, nothing tells it from a fault.
+        Rectifiers and converters pulse twice a period. A comb on a multiple of their series is
+        theirs if the series is as high. A comb on the series itself cannot be told from a fault.
         """
         for hertz in MAINS_HZ:
             pulses = 2.0 * hertz / self._shaft_hz
@@ -206,22 +208,22 @@ class CombHarmonics:
         return 0.0
 
     def _score_near(self, order: float) -> float:
-        """Score of the best comb within two bins of an order."""
+        """Return the score of the best comb within two bins of an order."""
         reach = 2.0 * self._whole.step
         grid = np.arange(order - reach, order + reach, 0.25 * self._whole.step)
         return float(self._scores.score(self._spectra, grid).max())
 
     def extraneous_order(self, candidate: Candidate) -> float:
         """
-        Order of the harmonic series that a comb merely shares lines with, 0 if it is its own.
+        Return the order of an extraneous series that shares lines with a comb; 0 without one.
 
-        Harmonics of the comb are missing, or lines that it does not explain lie between them.
+        It shows by missing harmonics of the comb, or by unexplained lines between them.
         """
         order = candidate.order
         multiple = self.multiple(order)
         if multiple > 1:
             return multiple * order
-        # A ball that strikes one race only has lines at its spin, as high as its harmonics.
+        # A ball that strikes one race only has lines at its spin order, as high as its harmonics.
         own = 0.5 * order if candidate.place == 'ball' else order
         lower = self._sidebands.explained(candidate)
         if candidate.place == 'outer':

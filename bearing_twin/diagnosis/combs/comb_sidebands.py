@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 
 SIDEBANDS = 4
-"""On each side of a harmonic, of those that a fault explains."""
+"""Number of sidebands on each side of a harmonic that a fault explains."""
 _CAGES = (0.33, 0.47)
-"""Orders between which the cages of all bearings of the catalogue turn."""
+"""Range of the cage orders of all bearings of the catalogue."""
 _CHANCE = (0.52, 0.62)
-"""Orders that no part turns at, nor at half of them, as wide as ``_CAGES``."""
+"""Range of orders at which no part turns, nor at half of them; about as wide as ``_CAGES``."""
 
 
 class CombSidebands:
@@ -37,7 +37,7 @@ class CombSidebands:
     whole
         Envelope spectra over orders of the shaft.
     expected
-        Where the parts of the bearing show in them.
+        Expected orders of the parts of the bearing.
 
     """
 
@@ -46,21 +46,21 @@ class CombSidebands:
         self._found: dict[tuple[float, int, float, float], tuple[float, float]] = {}
 
     def shaft_sideband_ratio(self, candidate: Candidate) -> float:
-        """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
+        """Return the mean amplitude of a comb's shaft sidebands over that of its harmonics."""
         return sideband_ratio(self._spectra, candidate.order, candidate.band)
 
     def turning_sideband(self, candidate: Candidate) -> tuple[float, float]:
-        """Order near one turn of the shaft with the highest sidebands, and their ratio."""
+        """Return the spacing near one order with the highest sidebands, and their ratio."""
         return self._highest_sideband(candidate, 0.9, 1.1)
 
     def cage_sideband(self, candidate: Candidate) -> tuple[float, float]:
-        """Order of the cage at which a comb has its highest sidebands, and their ratio."""
+        """Return the cage order with the highest sidebands of a comb, and their ratio."""
         return self._highest_sideband(candidate, *self._expected.cage_beside(candidate))
 
     def _highest_sideband(
         self, candidate: Candidate, low: float, high: float
     ) -> tuple[float, float]:
-        """Gap between two orders at which a comb has its highest sidebands, and their ratio."""
+        """Return the spacing in a range with the highest sidebands, and their ratio."""
         key = candidate.order, candidate.band, low, high
         if key not in self._found:
             slack = self._expected.uncertainty * high
@@ -72,18 +72,18 @@ class CombSidebands:
         return self._found[key]
 
     def alike(self, candidate: Candidate) -> bool:
-        """Whether the lines a turn beside a comb are as high as its own, as of a loose shaft."""
+        """Return whether shaft sidebands are as high as the harmonics, as with a loose shaft."""
         return self.turning_sideband(candidate)[1] * RIVAL >= 1.0
 
     def inner_race_ratio(self, other: Candidate) -> float:
         """
-        Amplitude of the inner race's comb over that of another comb; 0 where they are unrelated.
+        Return the amplitude of the inner race's comb over that of another; 0 if unrelated.
 
-        The other comb may be a shaft sideband of the inner race's if that one, an integer of
-        orders beside it, lies where a slip about as likely may put it.
+        The other comb may be a shaft sideband of the inner race's comb if that one can be a whole
+        number of orders beside it, at a slip that is about as likely.
         """
         order, slope = self._expected.of('inner')
-        # Not much less likely than the slip of the outer race that it would replace.
+        # Not much less likely than the slip of the other comb, which it would replace.
         likely = math.hypot(other.slip, SLIP_COST)
         slack = self._expected.uncertainty * order + 2.0 * self._whole.step
         first = math.ceil(order + slope * max(SLIP[0], -likely) - slack - other.order)
@@ -91,7 +91,7 @@ class CombSidebands:
         sides = [side for side in range(first, last + 1) if side]
         if not sides:
             return 0.0
-        # Harmonics of the inner race that the shaft masks count here.
+        # Inner race harmonics masked by the shaft count here.
         near = np.arange(-2.0, 2.25, 0.25) * self._whole.step
         beside = np.array(sides, np.float64)[:, None] + near
         own, *powers = comb_powers(
@@ -101,7 +101,7 @@ class CombSidebands:
 
     def sideband_owner(self, one: Candidate, other: Candidate) -> Candidate | None:
         """
-        Which of two candidates that claim one comb its sidebands fit; None where they fit neither.
+        Return which of two candidates for one comb its sidebands fit; None if they fit neither.
 
         An inner race is modulated by the shaft, a ball by the cage, an outer race by neither.
         """
@@ -114,24 +114,24 @@ class CombSidebands:
 
     def cage_sideband_order(self, candidate: Candidate) -> float:
         """
-        Order of the cage by which the sidebands of a race's comb are spaced, 0 if they are not.
+        Return the cage order that is the spacing of the sidebands of a race's comb; 0 without any.
 
-        A race does not move with the cage. Such a comb belongs to a ball or to the cage, at a
-        slip that was not expected.
+        A race does not move with the cage. Such a comb belongs to a ball or to the cage, at an
+        unexpected slip.
         """
         return self._beside_race(candidate, *self._expected.cage())
 
     def another_cage_order(self, candidate: Candidate) -> float:
-        """Order of any bearing's cage by which the sidebands of a race are spaced, 0 if none."""
+        """Return the same for the cage of any bearing of the catalogue; 0 without any."""
         return self._beside_race(candidate, *_CAGES)
 
     def _beside_race(self, candidate: Candidate, low: float, high: float) -> float:
         """
-        Gap between two orders of the sidebands of a race, 0 if those of its load are higher.
+        Return the spacing of a race's sidebands in a range; 0 if shaft sidebands are higher.
 
-        Faint ones count where a window resolves them, and where those of the shaft and what noise
-        reaches at other gaps are lower by a factor 2: balls of several sizes modulate an outer
-        race with the cage as well, beside the unbalance.
+        Faint sidebands count if the window resolves them, and if those of the shaft and of noise
+        at other spacings are lower by a factor 2: balls of different sizes modulate an outer race
+        with the cage as well, beside the unbalance.
         """
         if candidate.place not in RACES:
             return 0.0
@@ -145,11 +145,11 @@ class CombSidebands:
 
     def cage_series_order(self, candidate: Candidate) -> float:
         """
-        Order of the cage whose harmonic series makes the comb of a ball, 0 if none does.
+        Return the cage order whose harmonic series makes the comb of a ball; 0 if none does.
 
-        An impact once a cage turn has all harmonics equally high. The sidebands of a ball under a
-        load that is spread over some balls fade. The lines three and six, five and ten cage
-        orders beside the comb tell.
+        An impact once a cage turn has equally high harmonics. The sidebands of a ball fade under a
+        load that is spread over several balls. The lines three, six, five and ten cage orders
+        beside the comb are compared.
         """
         if candidate.place != 'ball':
             return 0.0
@@ -161,10 +161,10 @@ class CombSidebands:
 
     def shaft_sidebands_dominate(self, candidate: Candidate) -> bool:
         """
-        Whether a ball's comb has sidebands of the shaft that are higher than those of the cage.
+        Return whether a ball's comb has shaft sidebands higher than its cage sidebands.
 
-        A ball moves with the cage. Such a comb may belong to the inner race, at a slip that was
-        not expected.
+        A ball moves with the cage. Such a comb may belong to the inner race, at an unexpected
+        slip.
         """
         if candidate.place != 'ball':
             return False
@@ -172,7 +172,7 @@ class CombSidebands:
         return shaft > max(LOAD_ZONE, RIVAL * self.cage_sideband(candidate)[1])
 
     def explained(self, candidate: Candidate) -> NDArray[np.float64]:
-        """Orders of the lines that a fault explains."""
+        """Return the orders of the lines that a fault explains."""
         order, reach, gap = candidate.order, SIDEBANDS, 1.0
         if candidate.place == 'ball':
             order, gap = 0.5 * order, self.cage_sideband(candidate)[0]

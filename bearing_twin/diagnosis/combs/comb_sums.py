@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Sums over the harmonics of many combs, each comb touched once, and the best of the combs."""
+"""Compiled sums over the harmonics of many combs, and the search for the best comb."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def comb_sums(
     logs
         (K, C); row k belongs to order (k + 1) step.
     hidden
-        (K,) mask of the rows that say nothing.
+        (K,) mask of the rows that are left out.
     orders
         (G,) fundamental orders.
     step
@@ -84,7 +84,7 @@ def comb_bands(
     highest_columns: NDArray[np.intp],
 ) -> None:
     """
-    Write the standardised sum over the harmonics of one comb, and where it is highest.
+    Write the standardised sum over the harmonics of one comb, and its highest columns.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def comb_bands(
 
 @compiled(inline=True, fast=FAST, borrows=True)
 def _sixteen(one: Any, two: Any, three: Any, four: Any, center: Any, inverse: Any, at: int) -> Any:
-    """Standardised sums over four rows in the sixteen columns from ``at`` on."""
+    """Return the standardised sums over four rows in the sixteen columns from ``at`` on."""
     total = load(one[at:], 0) + load(two[at:], 0) + load(three[at:], 0) + load(four[at:], 0)
     return (total - load(center[at:], 0)) * load(inverse[at:], 0)
 
@@ -149,7 +149,7 @@ def best_bands(
     best_center, best_spread
         Median and spread of the mean.
     work
-        (C + 16 W,) to work in.
+        (C + 16 W,), scratch memory.
     best
         (G,), written.
 
@@ -157,7 +157,7 @@ def best_bands(
     rows, columns = logs.shape
     bands, silent = columns // whitenings, work[:columns]
     silent[:] = np.float32(NEUTRAL)
-    # Sixteen columns hold those of a whitening of fewer bands, and others, which do not count.
+    # A whitening with fewer than sixteen bands is taken with columns of others, which are masked.
     others = work[columns:]
     for whitening in range(whitenings):
         at = min(whitening * bands, columns - L)
@@ -187,7 +187,7 @@ def best_bands(
                 high = _sixteen(row1, row2, row3, row4, center, inverse, at)
                 total += highest(high - load(others, whitening))
                 continue
-            # The last sixteen lap over those before them, which changes no maximum.
+            # The last sixteen overlap those before them, which changes no maximum.
             high = _sixteen(row1, row2, row3, row4, center, inverse, end - L)
             for c in range(first, end - L, L):
                 more = _sixteen(row1, row2, row3, row4, center, inverse, c)
@@ -206,16 +206,16 @@ def likeliest(
     cost: float,
 ) -> tuple[float, float, float]:
     """
-    Return order, slip and score of the best comb when its slip has cost it some of the score.
+    Return order, slip and score of the best comb, with the cost of its slip taken off the score.
 
     Parameters
     ----------
     z, orders
         (G,) scores and fundamental orders.
     order, slope
-        Order of the place without slip, and its change by a slip of 1.
+        Order of the place without slip, and the change of the order with a slip of 1.
     slack
-        What the uncertainty of the speed may explain is no slip and costs nothing.
+        Difference of orders that the uncertainty of the speed explains: it counts as no slip.
     cost
         Slip that costs one standard deviation.
 
@@ -240,7 +240,7 @@ def highest_off(
     high: float,
 ) -> int:
     """
-    Return the place of the highest of some combs off the multiples of the shaft and off a range.
+    Return the index of the highest comb off the multiples of the shaft and outside a range.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def highest_off(
     uncertainty, width
         Relative uncertainty of the orders, and the width of a line, orders.
     low, high
-        The range, orders.
+        Ends of the range, orders.
 
     """
     found, best = 0, -np.inf

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Orders at which the parts of one bearing are expected, as its cage slips."""
+"""Expected fault orders of one bearing as a function of cage slip."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 class ExpectedOrders:
     """
-    Orders at which the parts of one bearing are expected, as its cage slips.
+    Expected fault orders of one bearing as a function of cage slip.
 
     Parameters
     ----------
     bearing
         Geometry.
     uncertainty
-        Of the shaft speed, relative.
+        Relative uncertainty of the shaft speed.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> expected = ExpectedOrders(find_bearing('6205'), 0.001)
@@ -52,11 +52,11 @@ class ExpectedOrders:
         return self.uncertainty <= STEADY
 
     def of(self, place: str) -> tuple[float, float]:
-        """Order of the impacts of a place without slip, and its change by a slip of 1."""
+        """Return the impact order of a place without slip, and its change with a slip of 1."""
         return self._of[place]
 
     def between(self, place: str, slips: tuple[float, float], step: float) -> NDArray[np.float64]:
-        """Orders of a place in a range of slip, ``step`` apart: at least one."""
+        """Return the orders of a place in a range of slip, ``step`` apart; at least one."""
         order, slope = self.of(place)
         ends = sorted(order + slope * slip for slip in slips)
         slack = self.uncertainty * order
@@ -64,18 +64,18 @@ class ExpectedOrders:
         return grid if len(grid) else np.array([order])
 
     def cage(self) -> tuple[float, float]:
-        """Lowest and highest order at which the cage may turn."""
+        """Return the lowest and highest order of the cage."""
         order, slope = self.of('cage')
         return order + slope * SLOW_CAGE, order + slope * SLIP[0]
 
     def cage_beside(self, candidate: Candidate) -> tuple[float, float]:
-        """Lowest and highest order at which the cage may turn beside a comb of some slip."""
+        """Return the lowest and highest order of the cage, given the slip of another comb."""
         order, slope = self.of('cage')
         ends = order + slope * (candidate.slip + np.array([JOINT_SLIP, -JOINT_SLIP]))
         return float(ends[0]), float(ends[1])
 
     def joint_slips(self, primary: Candidate) -> tuple[float, float]:
-        """Slip that another fault of the same bearing may have, given the primary one's."""
+        """Return the range of slip of another fault of the bearing, given the primary fault."""
         if not self.speed_known or primary.place == 'cage':
             return SLIP
         return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP

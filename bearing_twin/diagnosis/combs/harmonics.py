@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Whether a comb is a harmonic series of its own, or part of one that comes from elsewhere.
+Harmonic series of a comb: whether it is its own, or part of an extraneous series.
 
-The range of slip that is searched for a fault may hold the fourth, fifth or tenth harmonic of a
-gear, a belt or the shaft. Two things tell: harmonics of the comb that are missing, and lines
-between its harmonics.
+The searched range of slip of a fault may hold the fourth, fifth or tenth harmonic of a gear, a
+belt or the shaft. Two signs show it: missing harmonics of the comb, and lines between them.
 """
 
 from __future__ import annotations
@@ -29,36 +28,36 @@ _SPREAD = 0.42
 """Standard deviation of log(1 + E) for E ~ Exp(1), one window."""
 
 _CHANCE = 4.0
-"""Standard deviations that noise between the harmonics does not reach in some fifty combs."""
+"""Standard deviations that noise between the harmonics of some fifty combs does not reach."""
 
 _SHARE = 0.5
-"""Height of the unexplained lines between the harmonics over that of the harmonics: 0 for a series
-of its own, 1 for a part of a denser series."""
+"""Threshold of the height of unexplained lines between the harmonics, relative to the harmonics:
+it is 0 for a comb of its own and 1 for a part of a denser series."""
 
 _ALIKE = 0.69
-"""Mean log score by which the lines between the harmonics may fall short of them and still count
-as equally high: 3 dB of power. The sidebands of a load that varies as 1 + cos are 6 dB lower."""
+"""Difference of mean log score up to which the lines between the harmonics are as high as the
+harmonics: 3 dB of power. The sidebands of a load that varies as 1 + cos are 6 dB lower."""
 
 MISSING = 0.25
-"""Height of harmonics over that of their multiples below which they are missing: half of
-``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height. Those
-of pulses at a multiple of an order are below it, those of faults are not (half_pulses)."""
+"""Height of harmonics, relative to that of their multiples, below which they are missing: half of
+``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height. Pulses
+at a multiple of an order are below it, faults are not (studies.half_pulses)."""
 
 _APART = 2.0
-"""Standard deviations of a mean of lines by which two spacings of sidebands are told apart."""
+"""Difference of two sideband spacings, in standard deviations of the mean height of lines."""
 
 _SLOWEST = 0.12
 """Lowest fundamental order of a denser series."""
 
 _FEWEST = 4
-"""Lines between the harmonics that are needed to tell."""
+"""Least number of lines between the harmonics."""
 
 
 def line_heights(
     spectra: OrderSpectra, lines: NDArray[np.floating], columns: NDArray[np.intp]
 ) -> NDArray[np.float64]:
     """
-    Mean log score of each line over some bands, noise taken off.
+    Return the mean log score of each line over some bands, less that of noise.
 
     Parameters
     ----------
@@ -94,12 +93,12 @@ def missing_harmonics(
     hidden: NDArray[np.bool_],
 ) -> int:
     """
-    Multiple of ``order`` at which the true fundamental lies, 1 if that is ``order`` itself.
+    Return the multiple of ``order`` that is the true fundamental; 1 if it is ``order`` itself.
 
-    Only the second and fourth harmonic show, or only the third, or only the fourth: the comb
-    belongs to a series of that multiple, or of a fraction of it. This is looked at in all bands in
-    which that series is clear. Those in which the comb is highest are those in which noise is
-    high where its harmonics are missing: there they need only be less than half as high.
+    If only the second and fourth harmonic show, or only the third, or only the fourth, the comb
+    belongs to the series of that multiple. This is tested in all bands in which that series is
+    clear. In the bands in which the comb is highest, chance raises the missing harmonics: there
+    they need only be less than half as high.
 
     Parameters
     ----------
@@ -110,9 +109,9 @@ def missing_harmonics(
     columns
         Bands in which the comb is highest, one of each whitening.
     clear
-        Returns the bands in which the comb of an order is clear.
+        Function that returns the bands in which the comb at an order is clear.
     hidden
-        (K,) mask of the bins that are not to be used.
+        (K,) mask of the bins that are left out.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -143,20 +142,20 @@ def unshared_height(
     hidden: NDArray[np.bool_],
 ) -> float:
     """
-    Height of a comb's harmonics that a series of a multiple lacks, over that of the shared ones.
+    Return the height of the harmonics that the series of a multiple lacks, over the shared ones'.
 
     Parameters
     ----------
     spectra, order, hidden
         As in :func:`missing_harmonics`.
     multiple
-        Of the order: where the fundamental of the series lies.
+        Fundamental of the series, as a multiple of the order.
     columns
         Bands.
 
     Returns
     -------
-    0 for pulses at the multiple, 1 for impacts at the order; infinite where nothing is shared.
+    0 for pulses at the multiple, 1 for impacts at the order; infinite if no harmonic is shared.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -175,7 +174,7 @@ def unshared_height(
 def _unshared(
     spectra: OrderSpectra, order: float, columns: NDArray[np.intp], hidden: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    """Unshared heights for all multiples from 1 on."""
+    """Return the unshared heights for the multiples from 1 to ``HARMONICS``."""
     ratios = np.empty(HARMONICS)
     _unshared_heights(spectra.logs, hidden, order, spectra.step, columns, ratios)
     return ratios
@@ -193,7 +192,7 @@ def denser_series(
     sharp: bool = False,
 ) -> float:
     """
-    Fundamental order of the denser series that the comb at ``order`` is part of; 0 if of none.
+    Return the fundamental of the denser series that holds the comb at ``order``; 0 if none does.
 
     Parameters
     ----------
@@ -202,16 +201,16 @@ def denser_series(
     columns
         Bands in which the comb is highest, one of each whitening.
     mine
-        (K,) mask of the bins in which the candidate has harmonics, or lines that may be as high.
+        (K,) mask of the bins of the candidate's harmonics, and of lines that may be as high.
     sidebands
-        (K,) mask of the bins of its sidebands and of the cage, which are lower.
+        (K,) mask of the bins of its sidebands and of the cage's lines, which are lower.
     uncertainty
-        Largest relative error of the shaft speed. The sidebands of load-zone modulated impacts
-        are as high as their harmonics: a series as near to the shaft's is left to
-        :func:`masked_by_shaft`.
+        Largest relative error of the shaft speed. A series within it of the shaft is left to
+        :func:`masked_by_shaft`, as load-zone modulated impacts have sidebands as high as
+        harmonics.
     sharp
-        Whether the impacts are so sharp that all lines of their series are alike. Lines half as
-        high between the harmonics are then no part of it.
+        Whether the impacts are so sharp that all lines of their series are equally high. Lines of
+        half the height between the harmonics are then no part of it.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -247,19 +246,19 @@ def masked_by_shaft(
     uncertainty: float,
 ) -> bool:
     """
-    Whether a comb lies on the lines of an impact once a turn, or on their skirts.
+    Return whether a comb lies on the lines of an impact once a turn, or on their skirts.
 
-    The other multiples of the shaft are then as high as those at its harmonics. Unbalance and
-    misalignment make the first two multiples in any machine, so these do not count.
+    The other multiples of the shaft are then as high as those at the harmonics of the comb. The
+    first two multiples do not count: unbalance and misalignment make them in any machine.
 
     Parameters
     ----------
     spectra, order, columns
         As in :func:`denser_series`.
     precision
-        Relative error of the shaft speed that is expected.
+        Expected relative error of the shaft speed.
     uncertainty
-        The largest relative error: as far as lines may smear.
+        Largest relative error of the shaft speed: lines may smear as far.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -290,18 +289,18 @@ def spaced_by_shaft(
     spectra: OrderSpectra, order: float, columns: NDArray[np.intp], reach: float
 ) -> bool:
     """
-    Whether the sidebands of a comb fit a shaft whose multiple it is, as well as any other shaft.
+    Return whether the sidebands of a comb fit a shaft with a harmonic there as well as any other.
 
-    Strikes a whole number of times a turn, alike or not, have lines at multiples of the shaft
-    only. An inner race that passes through a load zone has its sidebands a turn apart as well,
-    but it is a whole number of turns at one slip only.
+    Strikes a whole number of times a turn, equal or not, have lines at multiples of the shaft
+    only. The sidebands of an inner race in the load zone are a turn apart as well, but its order
+    is a whole number at one slip only.
 
     Parameters
     ----------
     spectra, order, columns
         As in :func:`denser_series`.
     reach
-        Relative distance from the speed of the spectra up to which the shaft may turn.
+        Largest relative difference between the speed of the shaft and that of the spectra.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -320,7 +319,7 @@ def spaced_by_shaft(
     gaps = np.arange(1.0 - reach, 1.0 + reach, 0.25 * spectra.step)
     gaps = np.append(whole, gaps)[:, None]
     sides = [order * np.arange(HARMONICS + 1) + side * gaps for side in (-2, -1, 1, 2)]
-    # The multiples of the shaft itself, below the comb, count once.
+    # The multiples of the shaft below the comb count once.
     lines = np.concatenate((sides[0][:, 1:], sides[1][:, 1:], *sides[2:]), axis=1)
     heights = line_heights(spectra, lines.ravel(), columns).reshape(lines.shape).mean(axis=1)
     scatter = _SPREAD / math.sqrt(lines.shape[1] * spectra.weight)
@@ -336,7 +335,7 @@ def _line_heights(
     heights: NDArray[np.float64],
 ) -> None:
     """
-    Write the mean over some columns of the row nearest to each order, noise taken off.
+    Write the mean over some columns of the row nearest to each order, less that of noise.
 
     ``logs`` are (K, C); row k belongs to order (k + 1) step. Orders and heights are (N,).
     """
@@ -354,10 +353,10 @@ def _unshared_heights(
     ratios: NDArray[np.float64],
 ) -> None:
     """
-    Write the height of the harmonics that the series of each multiple lacks, over the others'.
+    Write the height of the harmonics that each multiple's series lacks, over the shared ones'.
 
-    The comb has as many harmonics as there are ``ratios``, (M,). The ratio of the multiple m is
-    written to place m - 1; it is infinite where nothing is shared.
+    The comb has as many harmonics as there are ``ratios``, (M,). The ratio of the multiple m is at
+    index m - 1; it is infinite if no harmonic is shared.
     """
     for multiple in range(1, len(ratios) + 1):
         shared = lacking = 0.0
@@ -392,9 +391,9 @@ def _denser_part(
     slack: float,
 ) -> int:
     """
-    Return the part of an order whose series has lines between the harmonics of a comb, 0 if none.
+    Return the divisor of an order whose series has lines between the harmonics of a comb; 0: none.
 
-    Of all parts it is the one whose lines are farthest from chance.
+    Of all divisors it is the one whose lines are farthest from chance.
 
     Parameters
     ----------
@@ -403,15 +402,16 @@ def _denser_part(
     order, harmonics
         Fundamental of the comb, and number of its harmonics.
     hidden, mine, sidebands
-        (K,) rows that do not count, or only where all lines of the series are as high.
+        (K,) masks. ``hidden`` and ``mine`` rows do not count, ``sidebands`` rows only if all lines
+        of the series are as high.
     most
-        Largest part.
+        Largest divisor.
     leasts
         Least mean height of the lines without the sidebands, and with them.
     fewest, surest
-        Fewest lines, and the least product of their mean height and the root of their number.
+        Least number of lines, and least product of their mean height and the root of their number.
     slack
-        Relative distance from the shaft within which a series is not looked for.
+        Relative distance from the shaft within which series are ignored.
 
     """
     inverse, best, found = 1.0 / step, 0.0, 0

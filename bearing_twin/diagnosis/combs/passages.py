@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Whether impacts keep the time of a ball within each of its passages through the load zone.
+Significance of ball impacts in groups, one group in each passage through the load zone.
 
-A damaged ball strikes in groups, one each turn of the cage. From group to group its spin loses its
-phase, so that the lines at its order are wide, and no comb of narrow lines finds them. But two
-lines of the envelope spectrum a turn of the cage apart keep the phase of the load zone to each
-other, in all bands and at all harmonics of the ball. Their mean product, the cyclic spectrum of
-the envelope at the order of the cage (Antoni, Mech. Syst. Signal Process. 2007, 21, 597), stands
-out around these harmonics. What only rises and falls with the cage has it alike at all orders.
+A damaged ball strikes in groups, one group each turn of the cage. Its spin loses its phase from
+group to group. So the lines at its order are wide, and no comb of narrow lines finds them. But two
+lines of the envelope spectrum that are a cage order apart keep the phase of the load zone relative
+to each other, in all bands and at all harmonics of the ball. Their mean product is the cyclic
+spectrum of the envelope at the order of the cage (Antoni, Mech. Syst. Signal Process. 2007, 21,
+597). It is high around these harmonics; a plain modulation by the cage has the same cyclic
+spectrum at all orders.
 """
 
 from __future__ import annotations
@@ -28,42 +29,42 @@ if TYPE_CHECKING:
 
 
 _HALF_WIDTH = 0.75
-"""Turns of the cage to either side of a harmonic: a passage takes up to half a turn, so that the
-line of one is two turns wide, and each harmonic is to keep apart from the rest."""
+"""Half width of a harmonic, in cage orders: a passage lasts up to half a cage turn, so its line is
+two cage orders wide. Each harmonic must stay apart from the next."""
 
 _LOWEST = 1.5
-"""Shaft turns above which the rest counts: below, sound machines sway."""
+"""Lowest order of the background: below it healthy machines sway."""
 
 _WINDOWS = 4
-"""Least windows, as wide as one of a harmonic, that tell how much they scatter."""
+"""Least width of the background from which its scatter is estimated, in widths of a harmonic."""
 
 _TINY = 1e-30
 
 _LOUDEST, _HIGHEST = 8.0, 2.5
-"""Envelope over its mean, and amplitude of a line over its floor, at which they are capped: noise
-passes them three times in ten thousand, and twice in a thousand."""
+"""Caps of the envelope over its mean, and of the amplitude of a line over its floor: noise exceeds
+them three times in ten thousand, and twice in a thousand."""
 
 
 def ball_passages(envelopes: NDArray[np.float32], turns: float, bearing: Bearing) -> float:
     """
-    Significance of a ball that strikes in groups, once a turn of the cage.
+    Return the significance of ball impacts in groups, one group each turn of the cage.
 
     Parameters
     ----------
     envelopes
         Squared envelopes of several bands, shape (n, bands), over time or over angle.
     turns
-        Shaft turns in them.
+        Number of shaft turns in the envelopes.
     bearing
         Geometry.
 
     Returns
     -------
-    Mean product around the harmonics of the ball over its scatter elsewhere, at the cage slip
-    where it is highest; 0 where the window is too short to tell. In noise the square of that at
-    one slip is exponential with mean 1.
+    Mean product around the harmonics of the ball over its scatter elsewhere, at the cage slip with
+    the highest value; 0 if the window is too short. In noise the square of the value at one slip
+    has an exponential distribution with mean 1.
 
-    Impacts of a ball in the load zone, whose phase is another one in each passage:
+    Impacts of a ball in the load zone, with a random phase in each passage:
 
     >>> from bearing_twin.bearing import find_bearing
     >>> bearing, rng = find_bearing('6205'), np.random.default_rng(1)
@@ -95,7 +96,7 @@ def ball_passages(envelopes: NDArray[np.float32], turns: float, bearing: Bearing
         if half == 0 or len(rest) < _WINDOWS * 2 * half:
             return 0.0
         middle = np.median(rest.real) + 1j * np.median(rest.imag)
-        # Half of exponential variables are below ln 2 of their mean.
+        # The median of an exponential distribution is ln 2 times its mean.
         scatter = np.median(np.abs(rest - middle) ** 2) / math.log(2.0)
         at = np.searchsorted(harmonic, np.arange(1, HARMONICS + 1))
         together = abs((sums[at] - middle).sum())
@@ -104,7 +105,7 @@ def ball_passages(envelopes: NDArray[np.float32], turns: float, bearing: Bearing
 
 
 def _lines(envelopes: NDArray[np.float32], turns: float, highest: float) -> NDArray[np.complex64]:
-    """Lines of the envelopes up to an order over the root of their floor, (K, bands)."""
+    """Return the lines of the envelopes up to an order over the root of the floor, (K, bands)."""
     mean = envelopes.mean(axis=0)
     capped = np.minimum(envelopes, np.float32(_LOUDEST) * mean)
     lines = fft.rfft(capped - capped.mean(axis=0), axis=0)[: math.ceil(highest * turns)]

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Lines of the outer race in the plain spectrum, where its impacts ring too low for an envelope.
+Lines of the outer race in the amplitude spectrum, for impacts that ring too low for an envelope.
 
-What rings at ten times the rate of the impacts does not die away between them. Its lines are as
-steady as those of a gear, so they are capped before the envelope and modulate little.
+A ringing at ten times the rate of the impacts does not decay between them. Its lines are as steady
+as those of a gear, so they are capped before the envelope and modulate little.
 """
 
 from __future__ import annotations
@@ -27,33 +27,33 @@ if TYPE_CHECKING:
 
 
 _LOWEST = 4
-"""Harmonic from which on lines count: the first ones are those of the passing balls."""
+"""Lowest harmonic that counts: passing balls make the lower ones."""
 
 _OTHERS = 2
-"""Highest lines, which do not count."""
+"""Number of highest lines that do not count."""
 
 _BESIDE = np.concatenate((np.linspace(0.7, 0.9, 150), np.linspace(1.1, 1.3, 150)))
-"""Combs of the null over the outer race's frequency."""
+"""Frequencies of the combs of the null, relative to the outer race's frequency."""
 
 _FEWEST = 3
-"""Fewest other lines: with fewer there is no answer."""
+"""Least number of other lines."""
 
 
 def low_lines(
     amplitude: NDArray[np.floating], bin_hz: float, outer_hz: float, shaft_hz: float
 ) -> float:
     """
-    Share of the power from the 4th to the 12th harmonic of an outer race that is in its lines.
+    Return the share of the power from the 4th to the 12th outer race harmonic in its lines.
 
-    Zero where these lines, without the two highest, are not significant against combs at other
-    frequencies, and where fewer than five lie off the multiples of shaft and mains.
+    It is zero if these lines, without the two highest, are not significant against combs at other
+    frequencies, or if fewer than five lie off the multiples of shaft and mains.
 
     Parameters
     ----------
     amplitude
         Amplitude spectrum, bin k at k bin_hz.
     bin_hz
-        Its spacing, Hz.
+        Spacing of the bins, Hz.
     outer_hz
         Frequency of the outer race without slip, Hz.
     shaft_hz
@@ -81,7 +81,7 @@ def low_lines(
         return np.minimum(at, len(power) - 2)
 
     def scores(hertz: NDArray[np.float64]) -> NDArray[np.float64]:
-        # The two highest do not count: those of a gear may lie on a harmonic or two.
+        # The two highest do not count: lines of a gear may lie on a harmonic or two.
         sums = np.empty(len(hertz))
         without_highest(logs[:-1], hertz, bin_hz, _LOWEST, len(numbers), sums)
         return sums / (len(numbers) - _OTHERS)

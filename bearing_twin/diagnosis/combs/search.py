@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Search for the combs of one bearing: the best of each fault place, and of any order."""
+"""Search for the combs of one bearing: the best one of each fault place, and at any order."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class CombSearch:
     def best(
         self, place: str, spectra: OrderSpectra | None = None, slips: tuple[float, float] = SLIP
     ) -> Candidate:
-        """Best comb of a place within a range of slip; in other spectra where they are given."""
+        """Return the best comb of a place in a range of slip; ``spectra`` replace its own."""
         spectra = spectra or self.spectra
         found, slip, z = self._peak(place, spectra, slips)
         index, band = self._index(spectra, found, place)
@@ -72,61 +72,62 @@ class CombSearch:
     def _peak(
         self, place: str, spectra: OrderSpectra, slips: tuple[float, float] = SLIP
     ) -> tuple[float, float, float]:
-        """Order, slip and score of the best comb of a place within a range of slip."""
+        """Return order, slip and score of the best comb of a place in a range of slip."""
         order, slope = self.expected.of(place)
         grid = self._between(place, slips)
         z = self._scores.score(spectra, grid)
         return likeliest(z, grid, order, self.expected.uncertainty * order, slope, SLIP_COST)
 
     def _between(self, place: str, slips: tuple[float, float]) -> NDArray[np.float64]:
-        """Orders of a place in a range of slip, half a bin of the highest harmonic apart."""
+        """Return the orders of a place in a range of slip, 1/8 bin apart."""
         return self.expected.between(place, slips, 0.5 * self.spectra.step / HARMONICS)
 
     def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
         """
-        Best comb at any order off the multiples of shaft and cage, whatever makes it.
+        Return the best comb at any order off the multiples of the shaft and off the cage's orders.
 
         Parameters
         ----------
         beyond
-            Whether to look beyond the orders of this bearing as well, where none below them is
-            significant: as far as three harmonics reach. Beside one that is, an order beyond it.
+            Whether to search beyond the orders of this bearing as well, as far as three harmonics
+            reach. If a comb is significant, one order beyond it is always searched.
 
         """
         scores = self._scores
         found = self._off_shaft(scores.grid, scores.z, self.spectra)
         if hertz := self.harmonics.mains_hz(found):
-            # What the mains make is no impact, and may hide one.
+            # Pulses of the mains are no impacts, and may hide impacts.
             pulses = np.arange(1.0, self._whole.top) * 2.0 * hertz / self.shaft_hz
             rest = self.spectra.silenced(pulses, 1.25 * self.spectra.step)
             found = self._off_shaft(scores.grid, scores.score(rest, scores.grid), rest)
         end = self._whole.top / 3.0 if beyond else 0.0
         if found.z >= Z_ELSEWHERE:
-            # It may be a shaft sideband of a comb one order above.
+            # The comb may be a shaft sideband of a comb one order above.
             end = min(found.order + 1.1, self._whole.top / 3.0)
         if end > scores.grid[-1]:
             grid = np.arange(scores.grid[-1], end, scores.grid[1] - scores.grid[0])
             further = self._off_shaft(grid, scores.score(self.spectra, grid), self.spectra)
             found = max(found, further, key=lambda c: c.z)
-        # Of impacts beyond the orders looked at a fraction shows, without its first harmonics.
+        # Impacts beyond the searched orders show at a fraction of their order, without its first
+        # harmonics.
         multiple = self.harmonics.multiple(found.order)
         return replace(found, order=multiple * found.order) if multiple > 1 else found
 
     def _off_shaft(
         self, grid: NDArray[np.float64], z: NDArray[np.float64], spectra: OrderSpectra
     ) -> Candidate:
-        """Best comb of a grid off the multiples of the shaft and off the turns of the cage."""
-        # A ball in and out of the load has the lines of the cage, so that they are of the bearing.
+        """Return the best comb of a grid off the shaft's multiples and off the cage's orders."""
+        # A ball in and out of the load zone makes lines of the cage: they belong to the bearing.
         cage = self.expected.cage()
         at = highest_off(z, grid, self.expected.uncertainty, 1.25 * self.spectra.step, *cage)
         return self._of_no_place(spectra, float(grid[at]), float(z[at]))
 
     def _of_no_place(self, spectra: OrderSpectra, order: float, z: float) -> Candidate:
-        """Comb at an order, whatever makes it."""
+        """Return the comb at an order, with the place 'elsewhere'."""
         return Candidate('elsewhere', order, 0.0, z, *self._index(spectra, order, 'inner'))
 
     def deepest_whole(self) -> Candidate | None:
-        """Comb at a multiple of the shaft that modulates most; None where none is significant."""
+        """Return the significant comb of the largest index at a multiple of the shaft, or None."""
         orders = np.arange(1.0, max(self._whole.top // 3.0, 1.0) + 1.0)
         z = self._scores.score(self._whole, orders)
         found = (
@@ -138,14 +139,15 @@ class CombSearch:
 
     def masked_candidate(self, place: str) -> Candidate | None:
         """
-        Comb of a place that shows, but coincides with harmonics of the shaft.
+        Return a significant, strong comb of a place on harmonics of the shaft; None without one.
 
-        It does at any slip that the place may have: an order that is not a whole number slips on
-        to one. Impacts have all harmonics there; blades, vanes and lobes pulse smoothly.
+        All slips of the place are searched: slip can move its order to a whole number. Smooth
+        combs are excluded: impacts have all harmonics; blades, vanes and lobes pulse smoothly.
         """
         grid = self._between(place, SLIP)
         whole = grid[self._is_whole(grid)]
-        # Most have no such order in reach, or nothing there: the others need not be looked at.
+        # Usually there is no whole order in reach, or no comb at it: then nothing else is
+        # searched.
         if not len(whole) or self._scores.score(self._whole, whole).max() < Z_FAULT:
             return None
         found = self.best(place, self._whole)
@@ -153,15 +155,15 @@ class CombSearch:
         return found if shown and not self.harmonics.smooth(found, masked=True) else None
 
     def _is_whole(self, orders: Any) -> Any:
-        """Whether orders coincide with multiples of the shaft."""
+        """Return whether orders coincide with multiples of the shaft."""
         reach = self.expected.uncertainty * orders + 1.25 * self._whole.step
         return abs(orders - np.rint(orders)) <= reach
 
     def second_look(self, candidate: Candidate) -> Candidate:
         """
-        Score a comb against the null without the lines that it explains.
+        Return a comb scored against the null without the lines that it explains.
 
-        The sidebands of a strong comb are part of the null, and widen it.
+        The sidebands of a strong comb widen the null.
         """
         scores = comb_scores(self.without(candidate), self._highest, len(WHITENINGS))
         z = scores.score(self.spectra, np.array([candidate.order]))
@@ -171,11 +173,11 @@ class CombSearch:
         return replace(found, shaft_sideband_ratio=self.sidebands.shaft_sideband_ratio(found))
 
     def score_without(self, cause: Candidate, *orders: float) -> float:
-        """Highest score of combs at orders without the lines that a fault of the bearing has."""
+        """Return the highest score of combs at orders without the lines that a fault explains."""
         return float(self._scores.score(self.without(cause), np.array(orders)).max())
 
     def left_without(self, cause: Candidate, other: Candidate) -> float:
-        """Score of a comb of a place without the lines of another, whatever makes that one."""
+        """Return the score of a place's comb without harmonics and sidebands of another."""
         gap = self.sidebands.turning_sideband(cause)[0]
         sides = np.concatenate([g * np.arange(-SIDEBANDS, SIDEBANDS + 1) for g in (1.0, gap)])
         lines = cause.order * np.arange(1, int(self._whole.top / cause.order) + 2)[:, None] + sides
@@ -184,18 +186,18 @@ class CombSearch:
 
     def without(self, candidate: Candidate) -> OrderSpectra:
         """
-        Spectra without the lines that a fault explains: its harmonics and their sidebands.
+        Return the spectra without the lines that a fault explains: harmonics and sidebands.
 
-        A race fault is modulated at the shaft's speed, a ball fault at the cage's. The two
-        impacts of a ball in each spin differ, so odd multiples of half its order show as well.
+        A race fault is modulated with the shaft, a ball fault with the cage. The two impacts of a
+        ball in each spin differ, so odd multiples of half its order show as well.
         """
         return self.spectra.silenced(self.sidebands.explained(candidate), 2.0 * self.spectra.step)
 
     def index_in_all_bands(self, candidate: Candidate) -> float:
-        """Modulation index of a comb, also in the bands of the variable compliance."""
+        """Return the modulation index of a comb, with the bands of the variable compliance."""
         return self._index(self.spectra, candidate.order, 'any')[0]
 
     def _index(self, spectra: OrderSpectra, order: float, family: str) -> tuple[float, int]:
-        """Modulation index of a comb, and the band that it is of, from the first whitening."""
+        """Return the modulation index of a comb and its band, from the first whitening."""
         scores, _ = self._scores.bands(spectra, order)
         return modulation_index(spectra, order, scores[: spectra.excess.shape[1]], family)

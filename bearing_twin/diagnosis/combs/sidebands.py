@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Modulation: heights of the harmonics of a comb, and of their sidebands."""
+"""Modulation index of a comb, and ratio of its sidebands to its harmonics."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def modulation_index(
     spectra: OrderSpectra, order: float, band_scores: NDArray[np.float32], family: str
 ) -> tuple[float, int]:
     """
-    Modulation index of a comb, the largest of the bands that show it, and that band.
+    Return the modulation index of a comb in the strongest band that shows it, and that band.
 
-    Root of the sum over harmonics of the squared relative amplitudes of the squared envelope,
-    noise floor taken off: m for an envelope 1 + m cos. Lines are capped, so that
-    steady ones beating with one another do not count. A healthy bearing forces its housing at the
-    outer race's frequency and its low multiples (variable compliance); for that family the index
-    counts only in bands that begin above ``CARRIER`` multiples.
+    It is the root of the sum over harmonics of the squared relative amplitudes of the squared
+    envelope, less the noise floor: m for an envelope 1 + m cos. Lines are capped, so that beats of
+    steady lines do not count. A healthy bearing excites its housing at the outer race's frequency
+    and low multiples of it (variable compliance). So bands count for the outer race only if they
+    begin above ``CARRIER`` multiples.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -43,7 +43,7 @@ def modulation_index(
     (3.27, 0)
 
     """
-    # Half of the range stays in any case, for low sample rates.
+    # Half of the bands remain in any case, for low sample rates.
     lowest = min(CARRIER * order, 0.5 * float(spectra.carrier.max())) if family == 'outer' else 0.0
     power = np.zeros(len(band_scores), np.float32)
     band = _strongest_band(
@@ -57,7 +57,7 @@ def comb_powers(
     spectra: OrderSpectra, orders: NDArray[np.float64], band: int
 ) -> NDArray[np.float32]:
     """
-    Relative power of the lines of several combs in one band.
+    Return the relative power of the lines of several combs in one band, (n,).
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -72,7 +72,7 @@ def comb_powers(
 
 def comb_index(spectra: OrderSpectra, order: float) -> float:
     """
-    Modulation index of a comb in spectra of one band; see :func:`modulation_index`.
+    Return the modulation index of a comb in spectra of one band; see :func:`modulation_index`.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -84,13 +84,13 @@ def comb_index(spectra: OrderSpectra, order: float) -> float:
 
 
 def _index(power: np.float32) -> float:
-    """Modulation index of lines of so much relative power together."""
+    """Return the modulation index of lines with a total relative power."""
     return 2.0 * math.sqrt(float(power) / HANN_BINS)
 
 
 def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 1.0) -> float:
     """
-    Amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
+    Return the amplitude of the sidebands one and two gaps beside the harmonics, over theirs.
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -106,7 +106,7 @@ def sideband_ratios(
     spectra: OrderSpectra, order: float, band: int, gaps: NDArray[np.float64]
 ) -> NDArray[np.float32]:
     """
-    Sideband ratio at each of several gaps.
+    Return the sideband ratio of a comb at each of several gaps, (n,).
 
     >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
@@ -148,9 +148,9 @@ def _sideband_ratios(
     ratios: NDArray[np.float32],
 ) -> None:
     """
-    Write the amplitude of the lines one and two gaps beside the harmonics of a comb, over theirs.
+    Write the amplitude of the sidebands one and two gaps beside the harmonics, over theirs.
 
-    ``excess`` is (K, C), ``hidden`` (K,): the rows that say nothing. Gaps and ratios are (G,).
+    ``excess`` is (K, C). ``hidden`` is a (K,) mask of left out rows. Gaps and ratios are (G,).
     """
     inverse, own = 1.0 / step, np.float32(0.0)
     for harmonic in range(1, harmonics + 1):
@@ -180,10 +180,10 @@ def _strongest_band(
     power: NDArray[np.float32],
 ) -> int:
     """
-    Return the band in which a comb has most power, of those that show it.
+    Return the band with the highest power of a comb, of the bands that show it.
 
-    A band shows the comb where its score, (C,), is 3 or more, or the highest of all. The powers of
-    the lines are added to ``power``, (C,). A band whose carrier is below ``lowest`` is left out.
+    A band shows the comb if its score, (C,), is 3 or more, or the highest of all. The powers of
+    the lines are added to ``power``, (C,). Bands with a carrier below ``lowest`` get no power.
     """
     last = len(excess) - 1
     for harmonic in range(1, harmonics + 1):
