@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The bearing's equations of motion and what advances them.
+Equations of motion of the bearing, and their integration in time.
 
-Each room rests on those before it: ``equations`` (contacts, rings, waves, sensor path), ``single``
-(the steps of one bearing and its `Simulator`) and ``fleet`` (many bearings at once). Beside them
-are the parameters of a twin, their presets and limits, and the reference solution.
+Each subpackage imports only those before it: ``equations`` (contacts, rings, waviness, sensor
+path), ``single`` (integrator and `Simulator` of one bearing) and ``fleet`` (many bearings at
+once). The modules beside them hold the parameters of a twin, presets, limits and the reference
+solution.
 """
 
 from bearing_twin.dynamics.fleet.fleet import Fleet, FleetBlock

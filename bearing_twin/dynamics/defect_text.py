@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Defects as one line of text, as parameters, services and commands give them.
+Text form of defects, as used by parameters, services and commands.
 
-``none``, places joined by ``+``, and after a place what differs there from the common values::
+The text is ``none`` or places joined by ``+``. Values of one place that differ from the common
+ones follow it::
 
     inner
     inner+ball
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 _KEYS = {'width': float, 'depth': float, 'angle': float, 'ball': int, 'profile': str}
-_BETWEEN = re.compile(r'\+(?![\d.])')  # not the sign of a number
+_BETWEEN = re.compile(r'\+(?![\d.])')  # not a sign before a number
 
 
 def read_defects(
@@ -36,17 +37,18 @@ def read_defects(
     Parameters
     ----------
     text
-        ``'none'`` or places joined by '+', each with ``:KEY=VALUE,...`` where it differs; the
-        keys are those of :class:`Defect`: width and depth in m, angle in rad, ball, profile.
+        ``'none'`` or places joined by '+'. ``:KEY=VALUE,...`` after a place sets values of its
+        own. The keys are those of :class:`Defect`: width and depth in m, angle in rad, ball,
+        profile.
     width, depth, profile
-        Of the defects for which the text gives none.
+        Common values for defects without their own; width and depth in m.
     angle
-        Of those of outer race and cage for which it gives none: the direction of the load, rad.
+        Angle of outer race and cage defects without their own, rad: the direction of the load.
 
     Raises
     ------
     BearingTwinError
-        If a place, a key or a value is none.
+        If a place or key is unknown or a value is invalid.
 
     Examples
     --------
@@ -74,7 +76,7 @@ def read_defects(
 
 def defect_places(text: str) -> str:
     """
-    Return the places alone, as ``'inner+ball'``; what they are is not checked.
+    Return the places alone, e.g. ``'inner+ball'``; they are not validated.
 
     Examples
     --------
@@ -87,9 +89,10 @@ def defect_places(text: str) -> str:
 
 def placed_defects(text: str, angle: float) -> str:
     """
-    Return ``text`` with the angle of a load, rad, where `read_defects` would take it.
+    Return ``text`` with the load angle, rad, added to outer race and cage defects without angle.
 
-    Where the load acts downwards, and where an angle is given, the text stays as it is.
+    These are the defects for which `read_defects` takes it. For a load that acts downwards the
+    text stays as it is.
 
     Examples
     --------

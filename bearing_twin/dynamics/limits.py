@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Limits of what the twin says: of its model, and of the standard behind its life.
+Validity limits of the twin's model and of the rating life.
 
-ISO 281 gives no life where the load exceeds half the dynamic or the whole static rating, because
-the contacts yield, nor below a viscosity ratio of 0.1. Hertz's contact is elastic: ISO 76 puts
-the end at 4.2 GPa for ball bearings, where a ten thousandth of the ball diameter stays deformed.
+ISO 281 gives no life for loads above half the dynamic rating or above the static rating, because
+the contacts yield, nor below a viscosity ratio of 0.1. Hertz's theory assumes elastic contact: for
+ball bearings ISO 76 sets the limit at 4.2 GPa, where a permanent deformation of 1/10000 of the
+ball diameter remains.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ LEAST_KAPPA = 0.1
 
 
 class Limit(IntFlag):
-    """Limits, as the field `limits_passed` of `TwinState` has them."""
+    """Limits as bits, as in the field `limits_passed` of `TwinState`."""
 
     LIFE_LOAD = 1
     STATIC_LOAD = 2
@@ -34,38 +35,38 @@ class Limit(IntFlag):
 
 
 class Passed(NamedTuple):
-    """Limits that are passed."""
+    """Limits that are exceeded."""
 
     which: Limit
     sentences: tuple[str, ...]
-    """One for each, with value, limit and consequence."""
+    """One sentence per limit, with value, limit and consequence."""
 
 
 class Strain(NamedTuple):
-    """What a bearing bears, and what it can bear."""
+    """Loads of a bearing and the quantities that limit them."""
 
     load: float
     """Radial load, N."""
     equivalent: float
-    """The one of `life.equivalent_load`, which counts for the life, N."""
+    """Result of `life.equivalent_load`, which determines the life, N."""
     dynamic_rating: float
     """N."""
     static_rating: float
     """N."""
     pressure: float
-    """Of the hardest pressed ball at rest, Pa."""
+    """Contact pressure of the most loaded ball at rest, Pa."""
     kappa: float
     """Viscosity ratio."""
     shaft_hz: float
-    """Speed in Hz: a standing bearing has no film and needs none."""
+    """Shaft speed, Hz; at rest the limit of the film does not apply."""
     left: float
-    """What the ring temperatures leave of the radial clearance, m."""
+    """Radial clearance at the ring temperatures, m."""
     used: float
-    """What the model uses of it, m."""
+    """Radial clearance that the model uses, m."""
     apart: float
-    """Inner less outer ring temperature, K."""
+    """Inner minus outer ring temperature, K."""
     skids: bool
-    """Whether the oil brakes the balls more than their traction holds."""
+    """Whether the drag of the oil exceeds the traction of the balls."""
 
 
 _NOTHING = Passed(Limit(0), ())
@@ -74,7 +75,7 @@ _LIFE_LOAD, _STATIC_LOAD, _PRESSURE, _FILM, _CLEARANCE, _SKIDDING = (int(each) f
 
 def which_limits(strain: Strain) -> int:
     """
-    Return the limits that are passed, as bits; compiled code takes it.
+    Return the exceeded limits as bits of `Limit`; can be compiled.
 
     >>> which_limits(Strain(7.5e3, 7.5e3, 14e3, 7850.0, 2e9, 1.0, 25.0, 5e-6, 5e-6, 0.0, False))
     1
@@ -98,7 +99,7 @@ def which_limits(strain: Strain) -> int:
 
 def limits_passed(strain: Strain, bits: int) -> Passed:
     """
-    Return the limits of `which_limits` with a sentence for each.
+    Return the limits in ``bits``, see `which_limits`, with a sentence for each.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the twin, each with its unit, range and source."""
+"""Parameters of the twin with unit, range and source."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ MAX_DEFECTS = 8
 """Most defects of one bearing."""
 
 MAX_SHAFT_HZ = 500.0
-"""Fastest shaft, Hz."""
+"""Highest shaft speed, Hz."""
 MAX_ECCENTRICITY = 1e-3
-"""Largest offset of a rotor's centre of mass, m: no machine runs with more."""
+"""Largest offset of a rotor's centre of mass, m. No machine runs with more."""
 
 DOWN = -math.pi / 2
-"""Usual direction of the load, from +x, rad."""
+"""Default direction of the load, downwards, from +x, rad."""
 FITTED = (
     'load', 'clearance', 'hertz_stiffness', 'contact_damping', 'inner_mass', 'slip', 'jitter',
 )  # fmt: skip
-"""Fields that a fit to a machine gives a running twin."""
+"""Fields that a calibration to a machine sets in a running twin."""
 
 
 def check_bearing(bearing: Bearing) -> None:
     """
-    Refuse a bearing that the twin does not simulate.
+    Raise an error for a bearing that the twin does not simulate.
 
     Raises
     ------
@@ -90,21 +90,23 @@ class Defect:
     place
         ``'inner'``, ``'outer'``, ``'ball'`` or ``'cage'``.
     width
-        Extent in the rolling direction. For the cage: the play of the worn pocket, over which its
-        ball slips when it comes under load.
+        Extent in the rolling direction, m. For the cage: the play of the worn pocket, over which
+        its ball slips when it enters the load zone.
     depth
-        Greatest depth along the contact normal. For the cage: by how much that ball drops out of
-        contact while it slips.
+        Greatest depth along the contact normal, m. For the cage: the depth by which that ball
+        loses contact while it slips.
     angle
-        Centre of the defect, rad. Outer and cage: from +x, best in the load's direction.
-        Inner: from the shaft's mark. Ball: spin angle at which it meets the inner race.
+        Centre of the defect, rad. Outer race and cage: from +x, usually in the direction of the
+        load. Inner race: from the mark of the shaft. Ball: spin angle at which the defect meets
+        the inner race.
     ball
         Index of the ball, or of the worn cage pocket, from 0.
     profile
-        Path of a ball over the defect. ``'ball'``: it bridges the gap, ``min(depth, s^2 (1/d +-
-        1/D_race))`` with s the distance to the nearer edge, + on the inner, - on the outer race.
-        The literature's: ``'rect'`` (full depth at once; it makes every fixed-step scheme first
-        order), ``'halfsine'``, ``'smooth'`` (raised-cosine flanks over a quarter of the width).
+        Path of a ball over the defect. ``'ball'``: the ball bridges the gap and sinks by
+        ``min(depth, s^2 (1/d +- 1/D_race))``. s is the distance to the nearer edge; the sign is +
+        on the inner and - on the outer race. From the literature: ``'rect'`` (full depth at once;
+        it makes every fixed-step scheme first order), ``'halfsine'``, ``'smooth'``
+        (raised-cosine flanks over a quarter of the width).
 
     Examples
     --------
@@ -134,7 +136,7 @@ class Defect:
 @dataclass(frozen=True, kw_only=True)
 class TwinParameters:
     """
-    Everything that the equations of motion need, validated.
+    Validated parameters of the equations of motion.
 
     Sources: [P] Symmetry 2023, 15, 2166; [M] Mishra et al., J. Sound Vib. 2017, table 1; [S]
     Sawalhi and Randall, Mech. Syst. Signal Process. 2008, and theses of the same group; [C] Cheng
@@ -143,43 +145,45 @@ class TwinParameters:
     Parameters
     ----------
     bearing
-        Geometry: one row of balls with a contact angle of at most 45 deg. An axial load, which a
-        contact angle asks for, is not in the model.
+        Geometry: one row of balls with a contact angle of at most 45 deg. The model has no axial
+        load, although a bearing with a contact angle needs one.
     thermal_mode
         ``'paper'``: stiffness and defect depth follow `beta0`. ``'physical'``: ring temperatures,
         clearance, E(T), lubricant and slip.
     defects
         Up to 8 defects at once. Two of them on one race, ball or pocket must not overlap.
     load, load_angle
-        The position of the shaft spring is solved for the load, because that spring is grounded
-        and would carry most of a force. Its direction is held fixed.
+        Radial load and its direction. The shaft spring is grounded and would carry most of an
+        applied force. Instead its foot is placed so that the bearing carries the load. The
+        direction is constant.
     clearance
         c_r (6307 CN: RIC 6 to 20 um). In the physical mode it must stay in its range at every
         temperature of the outer ring, 20 to 110 degC.
     hertz_stiffness
-        None: from the geometry (6307 of the catalogue 1.228e10).
+        K_b0; None: from the geometry (6307 of the catalogue 1.228e10).
     contact_damping
         c_b [C].
     inner_mass, inner_stiffness, inner_damping
         Rotor and shaft [M]; K_rin and C_rin of [P]. Without damping of both rings the passing
-        balls can drive the motion up (parametric resonance).
+        balls can excite a growing motion (parametric resonance).
     outer_mass, outer_stiffness, outer_damping, outer_stiffness_x, outer_damping_x
-        Housing [M]. K_2 and C_2 of [P] act vertically; K_1 and C_1, those ending in ``_x``,
-        horizontally, and are the same if None.
+        Housing [M]. K_2 and C_2 of [P] act vertically. K_1 and C_1, whose names end in ``_x``, act
+        horizontally; None: equal to the vertical ones.
     unbalance
         m_u e.
     slip_model, slip
-        ``'constant'`` s = `slip`; ``'mu_proportional'`` s = `slip` mu(T)/mu0, whose default
-        0.0965 % gives the paper's 126.42 and 126.82 Hz; ``'traction'`` the balance of
-        `thermal.slip` between the drag of the oil and the traction of the loaded balls. None:
-        ``'mu_proportional'`` in the paper's mode, ``'traction'`` in the physical one.
+        ``'constant'``: s = `slip`. ``'mu_proportional'``: s = `slip` mu(T)/mu0; the default of
+        0.0965 % gives the paper's 126.42 and 126.82 Hz. ``'traction'``: the balance of oil drag
+        and ball traction in `thermal.slip`. None: ``'mu_proportional'`` in the paper's mode,
+        ``'traction'`` in the physical mode.
     jitter
-        [D].
+        Irregularity of the impacts [D].
     resonance_hz, resonance_damping
         Sensor resonance [S].
     waviness
-        0 for perfect surfaces. The default is a choice, no class of a standard; the velocities of
-        a vibration test can be taken as they are. See `waviness`, also for a trace of roundness.
+        0 for perfect surfaces. The default is a choice, not a class of a standard. A velocity from
+        a bearing vibration test can be used directly. The module `waviness` also tells how to
+        convert a roundness trace.
     beta0
         The paper's factor and its switches.
     lubricant
@@ -187,12 +191,12 @@ class TwinParameters:
     network
         Heat capacity and conductances of the rings, for the physical mode; see `thermal_network`.
     friction_series
-        None: that of the bearing, or '62' where the catalogue does not know it.
+        None: the series of the bearing, or '62' if it is not in the catalogue.
     dynamic_rating, fatigue_limit
-        C and C_u; None: from the geometry by ISO 281 and ISO 76.
+        C and C_u; None: C from the maker or ISO 281, C_u as C_0/22 (ISO 281).
     start_angle
-        The default puts both at the bottom: under a load that acts downwards an inner defect at
-        angle 0 is struck at t = 0.
+        With the default, ball 0 and the mark of the shaft start at the bottom: under a load that
+        acts downwards an inner race defect at angle 0 is struck at t = 0.
 
     Examples
     --------
@@ -272,8 +276,8 @@ class TwinParameters:
         'Standard deviation of the angle between two impacts, as a fraction of the ball spacing.',
         '', 0.0, 0.05,
     )  # fmt: skip
-    # Sound machines: 0.2 (floor) to 0.7 m/s^2 on an unloaded motor, 3 to 6 on a loaded bench. A
-    # good sensor alone has 0.003 (IEPE) to 0.1 (MEMS), but no machine is as quiet.
+    # Healthy machines: 0.2 (floor) to 0.7 m/s^2 on an unloaded motor, 3 to 6 on a loaded bench. A
+    # good sensor alone has 0.003 (IEPE) to 0.1 (MEMS), but no machine is that quiet.
     noise: float = quantity(
         0.5, 'Standard deviation of the white noise of sensor and rest of the machine.', 'm/s^2',
         0.0, 100.0,
@@ -336,12 +340,12 @@ class TwinParameters:
 
     @property
     def thermal_network(self) -> Scaled:
-        """Network in use: `network`, scaled to the bearing."""
+        """Thermal network in use: `network`, scaled to the bearing."""
         return self.network.scaled(self.bearing.d_pitch)
 
     @property
     def slip_law(self) -> SlipModel:
-        """Slip model in use: `slip_model`, or that of the thermal mode."""
+        """Slip model in use: `slip_model`, or the default of the thermal mode."""
         physical = self.thermal_mode == 'physical'
         return self.slip_model or ('traction' if physical else 'mu_proportional')
 
@@ -359,7 +363,7 @@ class TwinParameters:
 
     @property
     def k_b0(self) -> float:
-        """K_b0 in use, N/m^1.5: `hertz_stiffness`, or from the geometry."""
+        """K_b0 in use, N/m^1.5: `hertz_stiffness`, or the value from the geometry."""
         if self.hertz_stiffness is not None:
             return self.hertz_stiffness
         return radial_factor(self.bearing)
@@ -380,7 +384,7 @@ class TwinParameters:
                 raise BearingTwinError(msg)
 
     def _check_apart(self, one: Defect, other: Defect) -> None:
-        """Refuse two defects that share a surface and a stretch of it."""
+        """Raise an error if two defects overlap on the same surface."""
         shared = one.place == other.place and (
             one.place in ('inner', 'outer') or one.ball == other.ball
         )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Named and cited sets of parameters."""
+"""Presets: named sets of twin parameters with their sources."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ _PRESETS = {
         '6307 at 22 to 29 Hz',
         2.45e-3,
         80e-6,
-        # The paper names the dampings of contact and shaft (C_rin) and gives neither. With these,
-        # the ringing of one impact has died away at the next; see docs/paper.md.
+        # The paper gives no values of contact damping and shaft damping (C_rin). With these values
+        # the ringing of an impact has decayed before the next one; see docs/paper.md.
         {'load': 3200.0, 'contact_damping': 1200.0, 'inner_damping': 4000.0},
     ),
     'incipient': _Preset(
@@ -59,7 +59,7 @@ _PRESETS = {
 }
 
 PRESETS: Mapping[str, str] = MappingProxyType({name: p.text for name, p in _PRESETS.items()})
-"""Name and one-line description of every preset."""
+"""One-line description of each preset by name."""
 PRESET_FIELDS = frozenset(name for p in _PRESETS.values() for name in p.settings)
 """Fields of `TwinParameters` that a preset sets."""
 
@@ -75,7 +75,7 @@ def preset(
     **overrides: Any,
 ) -> TwinParameters:
     """
-    Return the parameters called ``name``.
+    Return the parameters of a preset, with overrides.
 
     Parameters
     ----------
@@ -84,12 +84,12 @@ def preset(
     bearing
         Bearing or its name in the catalogue.
     defect
-        ``'none'``, or places joined by '+', e.g. ``'inner'`` or ``'inner+ball'``; what differs
-        from place to place as in :func:`read_defects`.
+        ``'none'``, or places joined by '+', e.g. ``'inner'`` or ``'inner+ball'``; see
+        :func:`read_defects` for values of single places.
     width, depth
-        Size of the defects for which `defect` gives none, m; None: the preset's.
+        Size of the defects for which `defect` gives none, m; None: from the preset.
     profile
-        Path of a ball over them, as in :class:`Defect`.
+        Path of a ball over the defects, as in :class:`Defect`.
     **overrides
         Any other field of :class:`TwinParameters`.
 

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The same model for scipy's adaptive solvers: the yardstick of the kernels' error and speed.
+Reference solution of the model with scipy's adaptive solvers.
 
-It shares with the kernels the laws of `model` and the random profiles of the surfaces, and nothing
-else. Stiffness, clearance, slip and
-ring temperatures come from the formulas of `bearing` and `thermal`, the foot of the shaft's spring
-and the starting point from a root finder; angles are functions of time, the path over a defect is
-looked up for every ball, and the sensor is two more states. Constant temperature and speed, no
-jitter, no noise.
+It measures the error and speed of the kernels. It shares only the laws of `model` and the random
+surface profiles with them. Stiffness, clearance, slip and ring temperatures come from the formulas
+of `bearing` and `thermal`; a root finder gives the foot of the shaft spring and the initial
+position. Angles are functions of time, the path over a defect is evaluated for every ball, and the
+sensor has two more states per axis. Temperature and speed are constant; there is no jitter and no
+noise.
 """
 
 from __future__ import annotations
@@ -48,27 +48,27 @@ Records = npt.NDArray[np.void]
 _RATE = 25600.0
 """Output rate, Hz."""
 _LARGEST_STEP = 1e-4
-"""An adaptive solver that steps over a spall never sees it, s."""
+"""Longest step, s, so that an adaptive solver does not step over a spall."""
 _POSITIONS = 8
-"""Positions of the cage, over one ball spacing, over which the load is a mean."""
+"""Cage positions over one ball spacing, for the mean load."""
 _MICRON = 1e-6
 _HEALTHY = np.empty((0, 6))
 _SMOOTH = np.empty((0, 1))
 _POINTS = 1 << 16
-"""Points of a surface between which its gap is taken as straight."""
+"""Points of a surface profile, with linear interpolation between them."""
 
 
 class Reference(NamedTuple):
     """Result of an adaptive solver."""
 
     x: FloatArray
-    """Horizontal, m/s^2, decimated like the twin's."""
+    """Horizontal acceleration, m/s^2, decimated as in the twin."""
     y: FloatArray
-    """Vertical, m/s^2."""
+    """Vertical acceleration, m/s^2."""
     states: FloatArray
-    """Positions and velocities of the rings, and the sensor, at the internal rate."""
+    """Positions and velocities of the rings, and sensor states, (12, n) at the internal rate."""
     cost: float
-    """Processor time of the solver for a simulated second, s."""
+    """Processor time of the solver per simulated second, s."""
 
 
 _Constants = namedtuple(
@@ -77,12 +77,12 @@ _Constants = namedtuple(
     'inner_mass inner_stiffness inner_damping outer_mass outer_stiffness_x outer_stiffness_y '
     'outer_damping_x outer_damping_y foot_x foot_y unbalance resonance resonance_damping',
 )
-"""Constants of the equations; those named as a parameter are that parameter if nothing else is
-given. ``depth`` is a factor on the depth of every defect along the radius; cage, balls' spin and
-shaft (``omega``) turn at rad/s; ``cosine`` is that of the contact angle; the foot of the shaft's
-spring is at ``foot_x`` and ``foot_y``, m."""
+"""Constants of the equations. Fields with the name of a parameter have its value if nothing else
+is given. ``depth`` is a factor on the depth of every defect along the radius. ``cage``, ``spin``
+(of the balls) and ``omega`` (of the shaft) are speeds, rad/s. ``cosine`` belongs to the contact
+angle. ``foot_x`` and ``foot_y`` are the position of the foot of the shaft spring, m."""
 _RECORD = np.dtype([(name, np.float64) for name in _Constants._fields])
-"""The constants as `_balls_force` and `_rates` take them: an array of one record."""
+"""Record type of the constants; `_balls_force` and `_rates` take an array of one record."""
 
 
 def solve(
@@ -97,27 +97,27 @@ def solve(
     steps: int | None = None,
 ) -> Reference:
     """
-    Solve from the twin's starting point with ``scipy.integrate.solve_ivp``.
+    Solve the equations with ``scipy.integrate.solve_ivp`` from the initial state of the twin.
 
     Parameters
     ----------
     parameters
-        Those of the twin; its jitter and noise are left out.
+        Parameters of the twin; jitter and noise are ignored.
     samples
         Output samples.
     temperature, shaft_hz
-        degC and Hz, both constant.
+        Outer ring temperature, degC, and shaft speed, Hz; both constant.
     seed
-        Of the surfaces.
+        Seed of the surface profiles.
     method, rtol
-        As ``solve_ivp`` takes them.
+        Arguments of ``solve_ivp``.
     steps
-        Instead of that, equal steps of the classical Runge-Kutta scheme of order 4, compiled: so
-        many for an internal sample.
+        Equal steps per internal sample of the classical fourth-order Runge-Kutta scheme, compiled,
+        instead of ``solve_ivp``.
 
     Examples
     --------
-    The kernels agree with it:
+    The kernels agree with the reference:
 
     >>> from bearing_twin.dynamics import preset, Simulator
     >>> parameters = preset('paper', jitter=0.0, noise=0.0)
@@ -168,7 +168,7 @@ def solve(
 
 
 def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Constants:
-    """Constants at a temperature of the outer ring, degC, and a speed of the shaft, Hz."""
+    """Return the constants for an outer ring temperature, degC, and a shaft speed, Hz."""
     bearing, clearance, inner = p.bearing, p.clearance, temperature
     if p.thermal_mode == 'paper':
         factor = p.beta0.at(temperature)
@@ -184,7 +184,7 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
     (stiffness_x, stiffness_y), (damping_x, damping_y) = p.housing_stiffness, p.housing_damping
     values = layout.filled(
         _RECORD, p, bearing,
-        # A spall opens a gap along the contact normal; measured along the radius it is larger.
+        # Depth is along the contact normal; along the radius the gap is larger.
         k_b=k_b, depth=depth / math.cos(bearing.contact_angle), clearance=clearance,
         cage=omega * orders.ftf, spin=omega * orders.bsf, omega=omega, start=p.start_angle,
         cosine=math.cos(bearing.contact_angle), foot_x=0.0, foot_y=0.0,
@@ -201,11 +201,11 @@ def _constants(p: TwinParameters, temperature: float, shaft_hz: float) -> _Const
 
 
 def _loaded(p: TwinParameters, constants: _Constants) -> _Constants:
-    """Put the foot of the shaft's spring where the bearing carries the load."""
+    """Place the foot of the shaft spring so that the bearing carries the load."""
     angles = 2.0 * math.pi / p.bearing.n_balls * (np.arange(_POSITIONS) + 0.5) / _POSITIONS
     stiffness = np.array(p.housing_stiffness)
     pushed = np.array([math.cos(p.load_angle), math.sin(p.load_angle)])
-    # What the springs of shaft and housing give way across to the load, under it.
+    # Deflection of shaft and housing under the load; its part across the load is compensated.
     across = np.array([-pushed[1], pushed[0]])
     give = p.load * pushed * (1.0 / p.inner_stiffness + 1.0 / stiffness)
 
@@ -214,7 +214,7 @@ def _loaded(p: TwinParameters, constants: _Constants) -> _Constants:
         return constants._replace(foot_x=x, foot_y=y)
 
     def excess(by: float) -> float:
-        """Mean load of the bearing less what it has to carry, N."""
+        """Mean load of the bearing minus the required load, N."""
         standing = (moved(by)._replace(start=angle + p.load_angle) for angle in angles)
         forces = [stiffness * _at_rest(each, _HEALTHY, _SMOOTH, 0.0)[2:] for each in standing]
         return float(np.mean(forces, axis=0) @ pushed - p.load)
@@ -226,7 +226,7 @@ def _loaded(p: TwinParameters, constants: _Constants) -> _Constants:
 
 
 def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
-    """Cage slip at which the traction of the loaded balls is the drag of the oil."""
+    """Return the cage slip at which the traction of the loaded balls equals the oil drag."""
     bearing, oil, hz = p.bearing, p.lubricant, constants.omega / (2.0 * math.pi)
     sizes = 60.0 * hz, nu, bearing.mean_diameter
     metallic = friction.metallic_share(*sizes)
@@ -246,7 +246,7 @@ def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
             contacts.append((force, pressure, film))
 
     def excess(slid: float) -> float:
-        """Traction less drag, N."""
+        """Traction minus drag, N."""
         of = metallic, oil.boundary_friction
         given = (q * slip.traction(slid, pressure, film, *of)[0] for q, pressure, film in contacts)
         return float(sum(given) - slip.drag(*sizes, race))
@@ -257,7 +257,7 @@ def _held_slip(p: TwinParameters, constants: _Constants, nu: float) -> float:
 
 
 def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
-    """Steady temperature of the inner ring, degC, with the heat of the friction in balance."""
+    """Return the steady-state temperature of the inner ring with friction heat, degC."""
     rpm, oil, thermal, bearing = 60.0 * shaft_hz, p.lubricant, p.thermal_network, p.bearing
     least, most = network.clearance_limits(bearing.d_pitch)
     series = p.friction_series or bearing.series or friction.UNKNOWN_SERIES
@@ -289,7 +289,7 @@ def _inner_ring(p: TwinParameters, outer: float, shaft_hz: float) -> float:
 
 
 def _surfaces(p: TwinParameters, seed: int) -> FloatArray:
-    """Gaps of outer race, inner race and balls around a turn, of a ball around its track, m."""
+    """Return gap profiles, m; rows: outer race and inner race over a turn, balls over a track."""
     if p.waviness == 0.0:
         return _SMOOTH
     turns, rows = np.arange(_POINTS) / _POINTS, []
@@ -303,7 +303,7 @@ def _surfaces(p: TwinParameters, seed: int) -> FloatArray:
 def _at_rest(
     constants: _Constants, defects: FloatArray, surfaces: FloatArray, time: float
 ) -> FloatArray:
-    """Positions x_i, y_i, x_o, y_o of static equilibrium at an instant, m."""
+    """Return the positions x_i, y_i, x_o, y_o in static equilibrium at an instant, m."""
     values = np.array([constants], _RECORD)
     foot = np.array([constants.foot_x, constants.foot_y])
     inner = constants.inner_stiffness
@@ -324,7 +324,7 @@ def _at_rest(
 
 @compiled()
 def _profile(surface: FloatArray, angle: float) -> float:
-    """Gap at an angle of one surface, m."""
+    """Gap of one surface at an angle, m."""
     at = angle / (2.0 * math.pi)
     at = (at - math.floor(at)) * len(surface)
     point = min(int(at), len(surface) - 1)
@@ -415,7 +415,7 @@ def _equal_steps(
     defects: FloatArray,
     surfaces: FloatArray,
 ) -> FloatArray:
-    """States at ``times``, shape (12, n), of equal steps from the state at ``t``."""
+    """Integrate with equal steps from the state at ``t``; return states at ``times``, (12, n)."""
     states = np.empty((12, len(times)))
     h = (times[0] - t) / steps
     for sample in range(len(times)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What encloses a saved state: kind and version, checksum, and whose it is."""
+"""Envelope of saved states: kind and version, checksum, and identity of the twin."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 
 _CHECKSUM = 4
-"""Bytes of the CRC-32 of all that follows it, little endian."""
+"""Bytes of the CRC-32 of all following bytes, little endian."""
 
 
 @dataclass(frozen=True)
 class Envelope:
     """
-    One kind of saved states: a magic number, a checksum, fields of fixed size and a body.
+    Format of one kind of saved states: magic number, checksum, fixed-size fields and body.
 
     Examples
     --------
@@ -36,10 +36,10 @@ class Envelope:
     """
 
     magic: bytes
-    """Kind and version."""
+    """Kind and version, at the beginning of the state."""
     fields: struct.Struct
     kind: str
-    """Whose state it is, for the errors."""
+    """Owner of the state, for error messages."""
 
     def seal(self, fields: Sequence[Any], body: bytes) -> bytes:
         """Return the bytes of a saved state."""
@@ -74,11 +74,11 @@ class Envelope:
 
 def identity(parameters: Sequence[TwinParameters]) -> int:
     """
-    Checksum of what a saved state cannot change: geometries and thermal modes.
+    Return the checksum of geometries and thermal modes, which a saved state must match.
 
     Examples
     --------
-    Load and preset may change, the bearing may not:
+    Load and preset may differ, the bearing may not:
 
     >>> from bearing_twin.dynamics import preset
     >>> identity([preset('paper')]) == identity([preset('incipient')])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which way the impacts of a twin move with temperature."""
+"""Change of a twin's impact amplitude with temperature."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 TOP_SHARE = 0.2
 SETTLING, RECORD = 0.4, 3.0
-"""Seconds that are left out, and that count: two beats of f_in against 5 f_r at 25.4 Hz."""
+"""Time left out, and length of the record, s: two beats between f_in and 5 f_r at 25.4 Hz."""
 RATE = 25600.0
 NO_CHANGE = 0.001
-"""Relative changes below it have no direction: the error of the integration."""
+"""Integration error: smaller relative changes count as none."""
 
 
 def impact_amplitude(
@@ -32,11 +32,11 @@ def impact_amplitude(
     """
     Mean of the largest 20 % of the maxima of |a - mean(a)|, m/s^2.
 
-    There is one maximum for each period of ``impact_hz``. The largest fifth are the impacts in
-    the load zone. The measure is made for an inner race defect; with a slower ``impact_hz`` than
-    that of the impacts a period holds several, of which the largest counts.
+    There is one maximum in each period of ``impact_hz``; the largest fifth are the impacts in the
+    load zone. The measure is intended for inner race defects. If ``impact_hz`` is lower than the
+    actual impact frequency, a period contains several impacts and the largest counts.
 
-    The acceleration, m/s^2, is at least one period of the impacts long; both rates are in Hz.
+    The acceleration, m/s^2, is at least one period long; both rates are in Hz.
 
     Examples
     --------
@@ -69,13 +69,13 @@ def mean_of_largest(maxima: npt.NDArray[np.floating]) -> float:
 
 def amplitude_change(parameters: TwinParameters, shaft_hz: float) -> float:
     """
-    Relative change of the impact amplitude from 20 to 110 degC, computed; NaN below 1 Hz.
+    Return the computed relative change of the impact amplitude from 20 to 110 degC.
 
-    Two short runs at held temperatures, acceleration along the load, with the sensor, no jitter,
-    noise and cage slip: slip moves the impacts against the shaft, which would hide the change in
-    a record of 3 s.
+    It compares two short runs at constant temperatures. They use the acceleration along the load
+    with the sensor, without jitter, noise and cage slip: slip shifts the impacts relative to the
+    shaft, which would hide the change in a record of 3 s.
 
-    Below a ``shaft_hz`` of 1 Hz there are too few impacts, and the answer is NaN.
+    Below a ``shaft_hz`` of 1 Hz there are too few impacts, and the result is NaN.
 
     Examples
     --------
@@ -100,7 +100,7 @@ def amplitude_change(parameters: TwinParameters, shaft_hz: float) -> float:
 
 def trend_sentence(parameters: TwinParameters, shaft_hz: float) -> str:
     """
-    Say in one line which way the impacts move with temperature, beside the paper.
+    Return one line on the change of the impacts with temperature, compared with the paper.
 
     Examples
     --------

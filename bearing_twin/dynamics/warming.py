@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Compilation ahead of time."""
+"""Compilation of the simulator before its first use."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from bearing_twin.dynamics.single.simulator import Simulator
 
 def warm_up(*, fleet: bool = False) -> None:
     """
-    Compile, or load from the cache, everything that a running simulator calls.
+    Compile all functions of a running simulator, or load them from the cache.
 
-    With ``fleet`` also what a :class:`Fleet` calls.
+    With ``fleet`` this includes the functions of a :class:`Fleet`.
 
     Examples
     --------

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The coefficients of the equations of motion at given temperatures and speed, compiled.
+Coefficients of the equations of motion for given temperatures and speed, compiled.
 
-Stiffness, defect depth, clearance, slip and the foot of the shaft's spring, and beside them what
-the lubricant does. The formulas live in `bearing_twin.thermal` as plain functions; here they are
-put together for one bearing, in a form that a fleet evaluates a thousand times a block. The
-equations themselves, the contact law among them, are in `model`.
+They are stiffness, defect depth, clearance, slip and the foot of the shaft spring. Viscosity,
+friction and life are computed with them. The formulas are plain functions in
+`bearing_twin.thermal`; here they are combined for one bearing, fast enough for a fleet, which
+evaluates them a thousand times a block. The equations with the contact law are in `model`.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 
-# The name after the last of a list is their number.
+# The last name of each list is the number of the names before it.
 _ROWS = range(99)
 
-# What `evaluate` gives. The first, INPUTS of them, are what the kernel ramps.
+# Elements of the result of `evaluate`. The kernel ramps the first INPUTS of them.
 K_B, DEPTH, CLEARANCE, SHAFT_HZ, SLIP, FOOT_X, FOOT_Y, INPUTS, *_ = _ROWS
 (
     ALPHA, HARDNESS, FRICTION, BETA0, INNER, OUTER, VISCOSITY, KAPPA, MOMENT, EQUIVALENT, LIFE,
     THERMAL_GAP, CONDITION_SIZE, *_,
 ) = _ROWS[INPUTS:]  # fmt: skip
 
-# What it takes: one record of constants a bearing.
+# Argument of `evaluate`: one record of constants per bearing.
 CONSTANTS = layout.constants(
     'physical k_b0 clearance load up_x up_y across skew along aside n_balls '
     'slip_model slip pressed cosine d_ball gamma alpha_unit expands '
@@ -86,7 +86,7 @@ _traction = compiled()(slip.traction)
 
 def constants_of(p: TwinParameters) -> Records:
     """
-    Return the constants that :func:`evaluate` takes: one record `CONSTANTS`.
+    Return the constants for :func:`evaluate`: one record `CONSTANTS`.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def constants_of(p: TwinParameters) -> Records:
     (across, skew, along), aside = supports(p)
     up_x, up_y = upwards(p)
     bearing, oil = p.bearing, p.lubricant
-    # Mean pressure under 1 N, in the mean of both contacts: two thirds of the greatest one.
+    # Mean pressure under 1 N, geometric mean of both contacts; it is 2/3 of the maximum pressure.
     inner, outer = (contact_pressure(bearing, 1.0, race=race) for race in ('inner', 'outer'))
     expands, delta_h, delta_mu, _, _ = p.beta0.weights
     astm_a, astm_b = oil.astm_constants
@@ -126,8 +126,8 @@ def evaluate(constants: Records, outer: float, inner: float, hz: float, out: Flo
     Fill ``out`` (CONDITION_SIZE) for ring temperatures in degC and a shaft speed in Hz.
 
     In the paper's mode ``inner`` is not used, the ring temperatures are NaN, and the lubricant has
-    the one temperature measured. In the physical mode the clearance that the equations use is
-    held inside the limits of `thermal.network`; what the temperatures leave stands beside it.
+    the measured temperature. In the physical mode the clearance of the equations, CLEARANCE, is
+    limited as in `thermal.network`; THERMAL_GAP is the clearance without limits.
 
     Examples
     --------
@@ -149,7 +149,7 @@ def evaluate(constants: Records, outer: float, inner: float, hz: float, out: Flo
         factor = _beta0(outer - c.reference_temperature, alpha, hardness, mu, weights)
         out[K_B], out[DEPTH], out[BETA0] = factor * c.k_b0, factor, factor
         out[CLEARANCE] = out[THERMAL_GAP] = c.clearance
-        # The paper knows one temperature; the lubricant, and with it the life, needs no more.
+        # The paper has one temperature; it suffices for lubricant and life.
         out[INNER] = out[OUTER] = math.nan
         _lubricate(c, outer, outer, hz, out)
     else:
@@ -169,7 +169,7 @@ def evaluate(constants: Records, outer: float, inner: float, hz: float, out: Flo
 
 @compiled()
 def at_rings(c: Record, outer: float, inner: float, hz: float, out: FloatArray) -> None:
-    """Fill ``out`` with all that follows from ring temperatures but the foot and the slip."""
+    """Fill ``out`` with the results of the ring temperatures, except spring foot and slip."""
     out[DEPTH] = out[BETA0] = 1.0
     out[INNER], out[OUTER] = inner, outer
     _fit(c, outer, inner, out)
@@ -179,9 +179,9 @@ def at_rings(c: Record, outer: float, inner: float, hz: float, out: FloatArray) 
 @compiled()
 def skids(constants: Records, values: FloatArray) -> bool:
     """
-    Whether the traction of the balls does not suffice; ``values`` of `evaluate`.
+    Whether the traction of the balls does not suffice; ``values`` come from `evaluate`.
 
-    A slip that has been put together from parts may differ from the highest one in the last bit.
+    A slip that is a sum of parts may differ from the highest slip in the last bit.
 
     Examples
     --------
@@ -198,13 +198,13 @@ def skids(constants: Records, values: FloatArray) -> bool:
 
 @compiled()
 def _contact(values: FloatArray) -> Contact:
-    """Contacts at rest."""
+    """Return the contact parameters without damping, for equilibrium."""
     return Contact(values[K_B], 0.0)
 
 
 @compiled()
 def _stand(c: Record, values: FloatArray, balls: FloatArray) -> tuple[float, float]:
-    """Displacement between the rings in the load's frame, m, in equilibrium."""
+    """Return the displacement between the rings in equilibrium, m, in the load's frame."""
     x, y = values[FOOT_X], values[FOOT_Y]
     foot = c.up_y * x - c.up_x * y, c.up_x * x + c.up_y * y
     stood = equilibrium(foot, _contact(values), (c.across, c.skew, c.along), balls, foot)
@@ -213,7 +213,7 @@ def _stand(c: Record, values: FloatArray, balls: FloatArray) -> tuple[float, flo
 
 @compiled()
 def _slip(c: Record, values: FloatArray) -> float:
-    """Slip at which the balls' traction is the drag, see `thermal.slip`: Newton from below."""
+    """Slip at which ball traction equals drag, see `thermal.slip`; Newton's method from below."""
     hz, n, clearance = values[SHAFT_HZ], int(c.n_balls), values[CLEARANCE]
     if hz == 0.0:
         return 0.0
@@ -221,7 +221,7 @@ def _slip(c: Record, values: FloatArray) -> float:
     braked = _drag(rpm, nu, c.mean_diameter, race)
     metallic = _metallic_share(rpm, nu, c.mean_diameter)
     rolling = 0.5 * math.pi * hz * race * (1.0 + c.gamma)
-    # Force, mean pressure and film of the loaded balls, of the mean of two cage positions.
+    # Force, mean pressure and film slope of the loaded balls, averaged over two cage positions.
     pressed, loaded = np.empty((2 * n, 3)), 0
     for half in range(2):
         balls = healthy_balls((half / n - 0.5) * math.pi, clearance, n)
@@ -252,11 +252,11 @@ def _slip(c: Record, values: FloatArray) -> float:
 @compiled()
 def heaviest(constants: Records, values: FloatArray) -> float:
     """
-    Radial force on a ball that stands in the direction of the load, N; ``values`` of `evaluate`.
+    Radial force on a ball in the direction of the load, N; ``values`` come from `evaluate`.
 
     Examples
     --------
-    Of 3.2 kN a ball of eight bears somewhat less than 5/8:
+    One of eight balls carries somewhat less than 5/8 of 3.2 kN:
 
     >>> from bearing_twin.dynamics import preset
     >>> constants, values = constants_of(preset('paper')), np.empty(CONDITION_SIZE)
@@ -274,7 +274,7 @@ def heaviest(constants: Records, values: FloatArray) -> float:
 
 @compiled()
 def _fit(c: Record, outer: float, inner: float, out: FloatArray) -> None:
-    """Contact stiffness and clearance that the rings' temperatures leave."""
+    """Fill in contact stiffness and clearance at the ring temperatures."""
     out[K_B] = c.k_b0 * _relative_modulus(0.5 * (inner + outer))
     gap = c.clearance + _clearance_change(inner, outer, c.d_pitch)
     out[THERMAL_GAP] = gap
@@ -283,9 +283,9 @@ def _fit(c: Record, outer: float, inner: float, out: FloatArray) -> None:
 
 @compiled()
 def _lubricate(c: Record, outer: float, inner: float, hz: float, out: FloatArray) -> None:
-    """Viscosity between the rings' temperatures, kappa, friction moment and life."""
+    """Fill in viscosity at the mean ring temperature, kappa, friction moment and life."""
     load = _equivalent_load(c.load, out[K_B], out[CLEARANCE], int(c.n_balls))
-    # The friction model knows no preload: under one this is the least that it adds.
+    # The friction model has no preload; the equivalent load is a lower bound of its effect.
     rubbing = max(c.load, load) if out[CLEARANCE] < 0.0 else c.load
     rpm = 60.0 * hz
     nu = _viscosity(0.5 * (inner + outer), c.astm_a, c.astm_b)
@@ -309,9 +309,9 @@ def inner_temperature(
     constants: Records, outer: float, inner: float, hz: float, duration: float
 ) -> float:
     """
-    Inner ring temperature after ``duration`` s, degC; the steady state if it is infinite.
+    Inner ring temperature after ``duration`` s, degC; the steady state for infinite duration.
 
-    It is held inside the limits of `thermal.network`.
+    It is limited to the range of `thermal.network`.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Discrete filters between the housing and the published signal: resonance and decimation."""
+"""Discrete filters from housing acceleration to output signal: sensor resonance, decimation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 STEP_RATE = 25600.0
-"""Lowest rate of the integrator's steps, Hz."""
+"""Lowest step rate of the integrator, Hz."""
 
 _LENGTH = 32
 """Length of the decimator in output samples: -6 dB at 0.5 of the output rate, -80 dB from 0.58."""
@@ -41,7 +41,7 @@ def check_rate(sample_rate: float) -> float:
 
 def least_steps(sample_rate: float) -> int:
     """
-    Return the least steps of the integrator per output sample: at least `STEP_RATE`.
+    Return the least integrator steps per output sample, for a step rate of at least `STEP_RATE`.
 
     Examples
     --------
@@ -54,10 +54,9 @@ def least_steps(sample_rate: float) -> int:
 
 def oversampling(sample_rate: float) -> int:
     """
-    Return the samples that are taken of the sensor per output sample: three of each step.
+    Return the sensor samples per output sample: three per step of `least_steps`.
 
-    Less would fold more of what lies above half the output rate into it: acceleration jumps where
-    contact damping begins to act.
+    Fewer would cause more aliasing: the acceleration jumps where contact damping begins to act.
 
     Examples
     --------
@@ -89,10 +88,10 @@ def decimator(factor: int) -> FloatArray:
 
 def delay(sample_rate: float) -> float:
     """
-    Return how much earlier what an output sample shows has happened, s.
+    Return the delay between an event and the output sample that shows it, s.
 
-    The filter's middle is `_LENGTH` // 2 samples before its end. The sample k, whose time is
-    ``k / sample_rate``, is made when the step to sample k + 1 is done.
+    The centre of the filter is `_LENGTH` // 2 samples before its end. Sample k, whose time is
+    ``k / sample_rate``, is computed after the step to sample k + 1.
 
     Examples
     --------
@@ -106,33 +105,33 @@ def delay(sample_rate: float) -> float:
 @functools.lru_cache(maxsize=64)
 def resonator(frequency: float, damping: float, step: float, samples: int) -> FloatArray:
     """
-    Exact discretisation of a sensor resonance driven by the housing's acceleration.
+    Exact discretisation of a sensor resonance driven by the acceleration of the housing.
 
-    ``z'' + 2 zeta w z' + w^2 z = -a`` for the sensor's mass relative to the housing; it senses
-    ``-(2 zeta w z' + w^2 z)``. The acceleration is the cubic through its values and slopes at the
-    start and the end of a step, which the integrator has at hand, so the only approximation is
-    that cubic.
+    The seismic mass moves by z relative to the housing: ``z'' + 2 zeta w z' + w^2 z = -a``. The
+    sensor output is ``-(2 zeta w z' + w^2 z)``. Within a step the acceleration is the cubic
+    through its values and slopes at start and end, which the integrator provides. This cubic is
+    the only approximation.
 
     Parameters
     ----------
     frequency
-        Hz; 0 for a sensor without resonance.
+        Resonance frequency, Hz; 0 for a sensor without resonance.
     damping
         Damping ratio.
     step
         Step of the integrator, s.
     samples
-        How often a step the sensor is read, the last time at its end.
+        Sensor samples per step, the last one at its end.
 
     Returns
     -------
     ndarray of shape (2 + samples, 6)
-        Columns: both states ``w^2 z`` and ``w z'`` at the start, acceleration and ``step`` times
-        jerk at the start, then at the end. Rows: both states at the end, then what is read.
+        Columns: states ``w^2 z`` and ``w z'`` at the start, acceleration and ``step`` times jerk
+        at the start, the same two at the end. Rows: both states at the end, then the samples.
 
     Examples
     --------
-    Without resonance the acceleration at the end of the step is read:
+    Without resonance the output is the acceleration at the end of the step:
 
     >>> table = resonator(0.0, 0.0, 1e-5, 1)
     >>> abs(table[-1].round(9)).tolist()
@@ -141,7 +140,7 @@ def resonator(frequency: float, damping: float, step: float, samples: int) -> Fl
     """
     table = np.zeros((2 + samples, 6))
     w = 2.0 * math.pi * frequency * step
-    # The states, then value, slope, curvature and third derivative of the acceleration.
+    # Rows: the states, then value and first three derivatives of the acceleration.
     a = np.zeros((6, 6))
     a[0, 1] = w
     a[1, :3] = -w, -2.0 * damping * w, -w
@@ -160,7 +159,7 @@ def resonator(frequency: float, damping: float, step: float, samples: int) -> Fl
         table[1 + k] = whole[2] if frequency == 0.0 else -whole[0] - 2.0 * damping * whole[1]
     if frequency:
         table[:2] = whole[:2]
-    # The same for all twins of a cloud.
+    # The cache returns the same array to all twins.
     table.flags.writeable = False
     return table
 

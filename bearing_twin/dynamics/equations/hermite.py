@@ -3,7 +3,7 @@
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Hermite's scheme of order 4 for both rings: Taylor predictor, corrector and the snap they imply.
+Fourth-order Hermite scheme for both rings: Taylor predictor, corrector and resulting snap.
 
 Positions, velocities, accelerations, jerks and snaps are tuples of four: x_i, y_i, x_o, y_o.
 """
@@ -45,7 +45,7 @@ def sum4(g, a, h, b, k, c, m, d):
 
 @compiled(inline=True, fast=FAST)
 def taylor(h, q, v, a, j, s):
-    """Taylor series of positions, velocities and accelerations."""
+    """Return positions, velocities and accelerations after ``h`` s from their Taylor series."""
     ahead = sum2(h, a, sum2(0.5 * h, j, s))
     faster = sum2(h, v, sum2(0.5 * h, a, sum2(h / 3.0, j, s)))
     further = sum2(h, q, sum2(0.5 * h, v, sum2(h / 3.0, a, sum2(0.25 * h, j, s))))
@@ -54,7 +54,7 @@ def taylor(h, q, v, a, j, s):
 
 @compiled(inline=True, fast=FAST)
 def correct(h, q, v, a, j, a1, j1):
-    """Hermite's corrector: positions and velocities at the end."""
+    """Return positions and velocities at the end of a step from Hermite's corrector."""
     half, twelfth = 0.5 * h, h * h / 12.0
     v1 = sum3(v, half, sum2(1.0, a, a1), twelfth, sum2(-1.0, j, j1))
     return sum3(q, half, sum2(1.0, v, v1), twelfth, sum2(-1.0, a, a1)), v1
@@ -62,6 +62,6 @@ def correct(h, q, v, a, j, a1, j1):
 
 @compiled(inline=True, fast=FAST)
 def snap(h, a, j, a1, j1):
-    """Second derivative, at the end, of the cubic through accelerations and jerks."""
+    """Return the snap at the end: second derivative of the cubic through accelerations, jerks."""
     fallen = sum2(-1.0, a, a1)
     return sum3(sum2(6.0 / (h * h), ZERO, fallen), 2.0 / h, j, 4.0 / h, j1)

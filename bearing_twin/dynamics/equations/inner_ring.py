@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The inner ring's temperature and what it makes of the inputs, in the physical mode.
+Inner ring temperature and its effect on the inputs of the kernels, in the physical mode.
 
-The inputs of the kernels are those of equal ring temperatures, ramped over a block, plus a drift:
-what the difference of the temperatures makes of them, known at the ticks of a fixed grid of
-samples and ramped from the last tick to the next. Ticks do not depend on the blocks, so neither do
-the bits.
+The inputs of the kernels have two parts: the values for equal ring temperatures, ramped over a
+block, and a drift, the effect of the temperature difference. The drift is computed at the ticks of
+a fixed grid of samples and ramped from tick to tick. Ticks do not depend on the blocks, so
+splitting a block changes no bit.
 
-``rings``, float64[2], are the inner ring's temperatures at the last and the next tick, degC; NaN
-in the paper's mode. ``drift``, float64[2, INPUTS], is the addition to the inputs at the last tick,
-and its growth per output sample. A tick is ``tick`` samples.
+``rings``, float64[2], are the inner ring temperatures at the last and the next tick, degC; NaN in
+the paper's mode. ``drift``, float64[2, INPUTS], is the addition to the inputs at the last tick,
+and its growth per output sample. A tick has ``tick`` samples.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 _TICK = 0.1
-"""Interval at which the temperature is advanced, s; its time constant is seconds."""
+"""Interval between updates of the temperature, s; its time constant is several seconds."""
 
 
 def tick_length(sample_rate: float) -> int:
     """
-    Return the output samples of a tick.
+    Return the number of output samples per tick.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def tick_length(sample_rate: float) -> int:
 @compiled()
 def temperature(rings: FloatArray, since_tick: int, tick: int) -> float:
     """
-    Temperature ``since_tick`` samples after the last tick, degC.
+    Inner ring temperature ``since_tick`` samples after the last tick, degC.
 
     Examples
     --------
@@ -65,10 +65,10 @@ def inputs(
     values: FloatArray, behind: FloatArray, drift: FloatArray, since_tick: int
 ) -> FloatArray:
     """
-    Sum up the inputs of the equations, float64[..., INPUTS], ``since_tick`` samples after a tick.
+    Return the inputs of the equations, float64[..., INPUTS], ``since_tick`` samples after a tick.
 
-    In the order of the kernels. ``values`` are those of `coefficients.evaluate`; ``behind`` is how
-    far the inputs are still from them after a change.
+    They are in the order of the kernels. ``values`` come from `coefficients.evaluate`; ``behind``
+    is the remaining distance of the inputs from them after a change.
 
     Examples
     --------
@@ -94,9 +94,9 @@ def settle(
     drift: FloatArray,
 ) -> None:
     """
-    Put the inner ring into its steady state; see the module for ``rings`` and ``drift``.
+    Set the inner ring to its steady state; the module describes ``rings`` and ``drift``.
 
-    ``alike`` are the values of `coefficients.evaluate` with both rings at ``outer``.
+    ``alike`` are the values of `coefficients.evaluate` with both rings at ``outer``, degC.
 
     Examples
     --------
@@ -129,7 +129,9 @@ def carry(
     tick: int,
 ) -> None:
     """
-    Go on from ``rings`` with other constants; ``alike`` as :func:`settle` takes them.
+    Recompute ``drift`` after a change of the constants, from the same ring temperatures.
+
+    ``alike`` as in :func:`settle`.
 
     Examples
     --------
@@ -163,9 +165,9 @@ def advance(
     seconds: float,
 ) -> None:
     """
-    One tick, of ``seconds``: the ring goes on towards its balance with outer ring and shaft.
+    Advance the inner ring by one tick of ``seconds`` towards its thermal equilibrium.
 
-    ``alike`` as :func:`settle` takes them.
+    ``alike`` as in :func:`settle`.
 
     Examples
     --------
@@ -191,7 +193,7 @@ def advance(
 def _difference(
     constants: Records, alike: FloatArray, outer: float, inner: float, hz: float
 ) -> FloatArray:
-    """Return what an inner ring of another temperature adds to the inputs."""
+    """Return the change of the inputs due to the temperature ``inner`` of the inner ring."""
     apart = np.empty(coefficients.CONDITION_SIZE)
     coefficients.evaluate(constants, outer, inner, hz, apart)
     return apart[: coefficients.INPUTS] - alike[: coefficients.INPUTS]
@@ -212,9 +214,10 @@ def tick_one(
     seconds: float,
 ) -> None:
     """
-    One tick of a bearing in the physical mode at outer ring's temperature and speed ``now``.
+    Advance one bearing in the physical mode by a tick, at ``now``.
 
-    ``values`` are those at ``was``: held inputs need no others.
+    ``was`` and ``now`` are outer ring temperature, degC, and shaft speed, Hz. ``values`` belong to
+    ``was`` and are reused if the inputs have not changed.
     """
     alike = values
     if now != was:
@@ -234,7 +237,7 @@ def tick_all(
     tick: int,
     seconds: float,
 ) -> None:
-    """Do `tick_one` for every bearing in the physical mode; arrays with the bearing first."""
+    """Apply `tick_one` to every bearing in the physical mode; first array axis: bearings."""
     for i in range(now[0].shape[0]):
         if constants[i].physical != 0.0:
             tick_one(

@@ -1,52 +1,52 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The physics: contact law, path of a ball through a defect, motion of the rings.
+Laws of the model: contact law, path of a ball through a defect, motion of the rings.
 
-Each law stands here once. The single bearing, the fleet, the static solver, the reference and the
-bearing in three dimensions call these functions, with plain numbers or with `vector.FLOATS`, so
-they use only arithmetic and the operations of `vector` that take both.
+Each law is written once, here. The single bearing, the fleet, the static solver, the reference and
+the bearing in three dimensions call these functions with plain numbers or with `vector.FLOATS`, so
+they use only arithmetic and the operations of `vector` that accept both.
 
-To replace the contact law edit `contact_law`. To make one selectable:
+To replace the contact law edit `contact_law`. To add a selectable contact law, add
 
-- its parameter: `parameters.TwinParameters`;
-- its number in the kernels: a field of `layout.MACHINE` of the same name, which fleets take over,
-  of `coefficients.CONSTANTS` and of `reference._Constants`;
-- its number beside K_b: a field of `Contact`. Each place that makes a `Contact` has to give it;
-- its branch in `contact_law`, as `defect_path` has one for each profile.
+- its parameter to `parameters.TwinParameters`;
+- its constant to `layout.MACHINE` (with the same name; fleets copy it),
+  `coefficients.CONSTANTS` and `reference._Constants`;
+- a field beside K_b to `Contact`, and to each place that makes a `Contact`;
+- a branch to `contact_law`, as in `defect_path` for the profiles.
 
-What follows the power 1.5 and not `contact_law`:
+These parts assume the power 1.5 and do not call `contact_law`:
 
 - the start of Newton's method in `statics.spring_position`, the margin for the unbalance in
-  `stability.check_step` and the pieces of a step in `integrator`: they hold for any power near it;
-- `life.equivalent_load`, and `candidates.passage` and `answer.estimates` of `calibration`: closed
-  formulas for steel on steel, as are the pressure under a ball (force^(1/3)) in `coefficients` and
-  `reference` and the unit of K_b, which `bearing.hertz` computes. They need formulas of their own;
-- `view.rerun.pictures.bearing3d`: a TwinState has K_b, and no other number of a law;
+  `stability.check_step` and the substeps in `integrator`: they hold for any power near 1.5;
+- `life.equivalent_load`, `candidates.passage` and `answer.estimates` of `calibration`, the contact
+  pressure (force^(1/3)) in `coefficients` and `reference`, and the unit of K_b in `bearing.hertz`:
+  closed formulas for steel on steel; another law needs its own;
+- `view.rerun.pictures.bearing3d`: a TwinState contains K_b and no other constant of a law;
 - the tests and `paper`, on purpose.
 
-`vector` knows roots and no other powers: x**1.25 is x * root(root(x)).
+`vector` has square roots and no other powers: x**1.25 is x * root(root(x)).
 
-To add a profile:
+To add a profile, add
 
-- its name: `parameters.Profile`, and what it is in the docstring of `parameters.Defect`;
-- its path: a function beside those below, a branch of `defect_path`, a row of `PROFILES`;
-- a path that jumps at its edges: `fleet.kinematics.open_gap`, whose steps are not parted there,
-  takes it for `RECTANGLE` alone;
-- its closed form in test_model.py and the error of a fleet in test_fleets.py, which ask for it;
-- its error in docs/realtime.md, and the table of parameters: ``python docs/tables.py
+- its name to `parameters.Profile`, and its description to the docstring of `parameters.Defect`;
+- its path: a function beside those below, a branch in `defect_path`, a row in `PROFILES`;
+- if the path jumps at its edges, a case in `fleet.kinematics.open_gap`: a fleet does not split
+  steps there, and handles only `RECTANGLE`;
+- its closed form to test_model.py and the error of a fleet to test_fleets.py, which require them;
+- its error to docs/realtime.md, and update the table of parameters: ``python docs/tables.py
   docs/nodes.md``.
 
-The equations (x right, y up), one line an axis, y shown::
+The equations (x right, y up), one line per axis, y shown::
 
     m_i y_i'' = -F_y - k_i (y_i - y_i0) - c_i y_i' + m_u e omega^2 sin(theta_s)
     m_o y_o'' = +F_y - K_2 y_o - C_2 y_o'      (along x K_1 and C_1)
     delta_j   = (x_i - x_o) cos(theta_j) + (y_i - y_o) sin(theta_j) - c_r - b_j C_d
     F         = sum_j max(K_b max(delta_j, 0)^1.5 + c_b v_j, 0) over loaded balls
 
-with v_j the rings' velocity of approach along ball j: Symmetry 2023, 15, 2166, equations 1 to 8,
-with the masses and damping that the paper leaves out taken from Sawalhi and Randall, Mech. Syst.
-Signal Process. 2008, 22, 1924.
+v_j is the velocity of approach of the rings along ball j. The equations are 1 to 8 of Symmetry
+2023, 15, 2166; masses and damping, which the paper leaves out, are from Sawalhi and Randall, Mech.
+Syst. Signal Process. 2008, 22, 1924.
 """
 
 from __future__ import annotations
@@ -61,24 +61,26 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 Value: TypeAlias = Any
-"""A number, or lanes of a fleet."""
+"""A number, or a vector of a fleet's lanes."""
 Pair: TypeAlias = tuple[Value, Value]
 Four: TypeAlias = tuple[Value, Value, Value, Value]
 
 
 class Contact(NamedTuple):
-    """What decides the force between a ball and the rings."""
+    """Parameters of the contact between a ball and the rings."""
 
     k_b: Value
     """Stiffness K_b of the contact law, N/m^1.5."""
     damping: Value
-    """N s/m; zero where nothing moves."""
+    """Contact damping, N s/m; zero in statics."""
 
 
 @compiled(inline=True, fast=FAST)
 def contact_law(delta: Value, contact: Contact) -> Pair:
     """
-    Force of Hertz's point contact, N, and its derivative, N/m, at an approach of ``delta`` >= 0 m.
+    Return the force of Hertz's point contact, N, and its derivative, N/m.
+
+    ``delta`` is the approach, m, at least 0.
 
     Harris, Rolling Bearing Analysis, chapter 6.
 
@@ -97,10 +99,10 @@ def contact_force(
     delta: Value, closing: Value, speed: Value, acceleration: Value, contact: Contact
 ) -> Pair:
     """
-    Force of a ball between the rings, N, and its rate, N/s; it acts where it is positive.
+    Return the force of a ball between the rings, N, and its rate, N/s; only positive force acts.
 
-    ``closing`` is the rate of the approach ``delta``, the ball's own path through defects
-    included; ``speed`` and ``acceleration`` are those of the rings alone, along the ball.
+    ``closing`` is the rate of the approach ``delta``, including the path of the ball through
+    defects. ``speed`` and ``acceleration`` are those of the rings along the ball.
     """
     elastic, slope = contact_law(delta, contact)
     return elastic + contact.damping * speed, slope * closing + contact.damping * acceleration
@@ -110,22 +112,22 @@ class Profile(NamedTuple):
     """
     Path of a ball through a defect.
 
-    Its functions take half the width, m, the depth, m, and the curvature of the path, 1/m, as
-    `defect_path`.
+    The first arguments of its functions are half the width, m, the depth, m, and the curvature of
+    the path, 1/m, as in `defect_path`.
     """
 
     code: float
-    """As compiled code takes it."""
+    """Code of the profile in compiled functions."""
     path: Callable[[Value, Value, Value, Value], Pair]
-    """Depth, m, and slope towards the centre, ``away`` m from it."""
+    """Depth, m, and slope towards the centre at ``away`` m from the centre."""
     kink: Callable[[float, float, float], float]
-    """Where the path has a kink on either side of the centre, besides those at both edges, m from
-    the centre; -1 for none. The integrator parts its steps there."""
+    """Distance from the centre, m, of the kinks between centre and edges; -1 for none. The
+    integrator splits its steps there and at the edges."""
 
 
 @compiled(inline=True, fast=FAST)
 def _bridge(half: Value, depth: Value, curvature: Value, away: Value) -> Pair:
-    """Roll about the edge, until the ball touches the ground."""
+    """Path of a ball that rolls over the edge until it touches the ground."""
     edge = half - away
     sag = edge * edge * curvature
     rolls = depth > sag
@@ -159,20 +161,21 @@ PROFILES = {
     'halfsine': Profile(HALF_SINE, _half_sine, lambda *_: -1.0),
     'smooth': Profile(COSINE_FLANKS, _cosine_flanks, lambda half, depth, curvature: 0.5 * half),
 }
-"""Each of `parameters.PROFILES`."""
+"""Path of each of `parameters.PROFILES`."""
 
 
 @compiled(inline=True, fast=FAST)
 def defect_path(profile: Value, half: Value, depth: Value, curvature: Value, along: Value) -> Pair:
     """
-    How far a ball sinks ``along`` m from the centre of a defect, m, and the slope of its path.
+    Return how deep a ball sinks ``along`` m from the centre of a defect, m, and the path slope.
 
-    ``profile`` is a code of `PROFILES`, ``half`` half the width; ``curvature`` is 1/d + 1/D on the
-    inner race, 1/d - 1/D on the outer one, with diameters d of the ball and D of the race, 1/m.
+    ``profile`` is a code of `PROFILES`, ``half`` half the width, m. ``curvature``, 1/m, is
+    1/d + 1/D on the inner race and 1/d - 1/D on the outer race, with ball diameter d and race
+    diameter D.
 
     Examples
     --------
-    In the middle a ball bridges a deep spall and touches the ground of a shallow one:
+    At the centre a ball bridges a deep spall and touches the ground of a shallow one:
 
     >>> [round(1e6 * defect_path(BALL, 0.5e-3, depth, 100.0, 0.0)[0], 3) for depth in (5e-5, 2e-5)]
     [25.0, 20.0]
@@ -194,7 +197,7 @@ def defect_path(profile: Value, half: Value, depth: Value, curvature: Value, alo
 def _or(
     path: Pair, other: Any, of: Any, half: Value, depth: Value, curvature: Value, away: Value
 ) -> Pair:
-    """Return ``path``, and the path ``of`` another profile where that is the profile."""
+    """Return the path ``of`` another profile where the mask ``other`` is set, else ``path``."""
     sunk, slope = path
     if any_of(other):
         deep, steep = of(half, depth, curvature, away)
@@ -207,11 +210,11 @@ def ring_motion(
     machine: Any, drive: Any, force: Pair, rate: Pair, q: Four, v: Four, a: Four
 ) -> tuple[Four, Four]:
     """
-    Acceleration and jerk of both rings, (x_i, y_i, x_o, y_o), under the balls' force.
+    Return acceleration and jerk of both rings, (x_i, y_i, x_o, y_o), under the ball forces.
 
-    ``force`` (x, y), N, of the balls on the outer ring, and its ``rate``, N/s. ``machine`` has
-    masses, stiffness and damping as `layout.MACHINE`; ``drive`` the unbalance and the foot of the
-    shaft's spring as `layout.STEP`.
+    ``force`` (x, y), N, is the force of the balls on the outer ring, ``rate`` its rate, N/s.
+    ``machine`` has masses, stiffness and damping as in `layout.MACHINE`; ``drive`` has unbalance
+    and foot of the shaft spring as in `layout.STEP`.
     """
     m, d = machine, drive
     k, c = m.inner_stiffness, m.inner_damping

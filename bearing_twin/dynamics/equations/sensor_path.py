@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-From the housing to the samples of a sensor: a filter, and how alike two signals are.
+Filter from the twin's acceleration to the samples of a real sensor, and spectral distance.
 
-A running twin filters and compares. `scipy.signal` has both, and the tests compare with it, but to
-import it takes as long as everything else that a twin starts with.
+`scipy.signal` has the same functions, and the tests compare with it, but its import would double
+the time that a twin needs to start.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ BAND_HZ = 100.0
 """Width of the bands in which two spectra are compared, Hz."""
 MOST_COEFFICIENTS = 2048
 MOST_GAIN = 1e12
-"""No coefficient of a real sensor's path is larger; what passes it stays a number."""
+"""Limit of the coefficients; those of a real sensor path are smaller, and results stay finite."""
 _BELOW_FILTER = 0.86
-"""Share of half the sample rate up to which is compared: an anti-aliasing filter begins there."""
+"""Upper limit of the comparison, fraction of half the sample rate: an anti-aliasing filter begins
+there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,19 +35,20 @@ class SensorPath:
 
     sample_rate: float
     numerator: tuple[float, ...]
-    """The twin's prediction error filter, times the gain."""
+    """Prediction error filter of the twin, times the gain."""
     denominator: tuple[float, ...]
-    """The machine's prediction error filter: its poles are the resonances."""
+    """Prediction error filter of the machine; the poles of the path are the resonances."""
     noise: float
-    """White noise that is added to the twin's acceleration before the filter, m/s^2."""
+    """Standard deviation of white noise added to the twin's acceleration before the filter,
+    m/s^2."""
 
     @property
     def gain(self) -> float:
-        """Machine over twin after whitening both: units of the sensor a m/s^2."""
+        """Ratio of machine to twin after whitening both, sensor unit per m/s^2."""
         return self.numerator[0]
 
     def filter(self, seed: int = 0) -> PathFilter:
-        """Return a filter that goes on from block to block."""
+        """Return a filter that keeps its state from block to block."""
         return PathFilter(self, seed)
 
     def to_dict(self) -> dict[str, Any]:
@@ -61,12 +63,12 @@ class SensorPath:
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> SensorPath:
         """
-        Return the path that :meth:`to_dict` wrote.
+        Return the path from the result of :meth:`to_dict`.
 
         Raises
         ------
         BearingTwinError
-            If it is no stable filter of finite numbers.
+            If it is not a stable filter with finite coefficients.
 
         """
         path = cls(
@@ -88,7 +90,7 @@ class SensorPath:
 
 def stable(denominator: tuple[float, ...]) -> bool:
     """
-    Whether all poles lie inside the unit circle: Levinson's recursion, backwards.
+    Whether all poles lie inside the unit circle, by the inverse Levinson recursion.
 
     Examples
     --------
@@ -113,7 +115,7 @@ def _filter(
     memory: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Filter ``x`` into ``out``; direct form II transposed, all of one order."""
+    """Filter ``x`` into ``out`` in transposed direct form II; arrays have equal order."""
     for k in range(len(x)):
         y = memory[0] + numerator[0] * x[k]
         for i in range(len(memory) - 1):
@@ -123,11 +125,11 @@ def _filter(
 
 class PathFilter:
     """
-    Lets the vibration of a twin pass for its machine's, block by block.
+    Filter the vibration of a twin to that of its machine, block by block.
 
     Examples
     --------
-    A path that only has a gain of two:
+    A path with a gain of two and nothing else:
 
     >>> path = SensorPath(sample_rate=25600.0, numerator=(2.0,), denominator=(1.0,), noise=0.0)
     >>> path.filter().apply(np.array([1.0, -1.0]))
@@ -138,7 +140,7 @@ class PathFilter:
     def __init__(self, path: SensorPath, seed: int = 0) -> None:
         self._noise = path.noise
         self._rng = np.random.default_rng(seed)
-        # One more, which stays zero: what is moved down the line at its end.
+        # One element more, always zero: the input of the last delay element.
         size = max(len(path.numerator), len(path.denominator)) + 1
         self._numerator, self._denominator, self.memory = np.zeros((3, size))
         self._numerator[: len(path.numerator)] = path.numerator
@@ -156,7 +158,7 @@ class PathFilter:
 
 def window_length(sample_rate: float) -> int:
     """
-    Return the samples of a window of `band_levels`; its bands are half as many, and one.
+    Return the samples per window of `band_levels`; it has half as many bands plus one.
 
     Examples
     --------
@@ -169,9 +171,9 @@ def window_length(sample_rate: float) -> int:
 
 def band_levels(x: npt.ArrayLike, sample_rate: float) -> FloatArray:
     """
-    Return the power density of a signal in bands of `BAND_HZ`, dB.
+    Return the power spectral density of a signal in bands of `BAND_HZ`, dB.
 
-    Welch's method: Hann windows of the length that resolves a band, half over each other.
+    Welch's method is used, with Hann windows of the length 1/`BAND_HZ` and 50 % overlap.
 
     Parameters
     ----------
@@ -183,7 +185,7 @@ def band_levels(x: npt.ArrayLike, sample_rate: float) -> FloatArray:
     Returns
     -------
     array
-        dB re 1 unit^2/Hz; element k is around k `BAND_HZ`.
+        dB re 1 unit^2/Hz; the centre of band k is at k `BAND_HZ`.
 
     Raises
     ------
@@ -192,7 +194,7 @@ def band_levels(x: npt.ArrayLike, sample_rate: float) -> FloatArray:
 
     Examples
     --------
-    White noise of standard deviation 1 has 1/12800 a Hz at 25.6 kHz:
+    White noise with a standard deviation of 1 has a density of 1/12800 per Hz at 25.6 kHz:
 
     >>> levels = band_levels(np.random.default_rng(1).standard_normal(256000), 25600.0)
     >>> len(levels), abs(round(float(levels[1:128].mean() + 41.07), 1))
@@ -217,7 +219,7 @@ def distance(one: npt.ArrayLike, other: npt.ArrayLike) -> float:
     """
     Log-spectral distance of two `band_levels`, dB: root mean square of their difference.
 
-    Up to 0.86 of half the sample rate, where an anti-aliasing filter begins.
+    Bands up to 0.86 of half the sample rate count; there an anti-aliasing filter begins.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the integrator's step resolves the fastest motion of a set of parameters."""
+"""Check that the integrator step resolves the fastest motion, and choice of the step."""
 
 from __future__ import annotations
 
@@ -32,11 +32,12 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 _OVERLOAD = 2.0
-"""An impact may press the balls in four times as deep as the load does: twice the stiffness."""
+"""Factor on the contact stiffness: an impact may press the balls in four times as deep as the load
+does, which doubles the stiffness."""
 _LARGEST_STEP = 1.0
-"""h |lambda| up to which a mode is resolved: the phase error of the scheme is then 0.1 % a rad."""
+"""Largest h |lambda| of a resolved mode; the phase error of the scheme is then 0.1 % per rad."""
 _GOOD_STEP = 0.28
-"""h |lambda| up to which a step is not parted in three."""
+"""Largest h |lambda| for which a step is not divided into three."""
 _COUPLING = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.ones((2, 2)))
 
 
@@ -46,12 +47,12 @@ def system_matrices(
     """
     Return K and C of ``q'' = -K q - C q'`` for q = (x_i, y_i, x_o, y_o), 1/s^2 and 1/s.
 
-    ``contact_stiffness``, N/m, and ``contact_damping``, N s/m, both (2, 2), act between the
-    rings: the sums over the loaded balls.
+    ``contact_stiffness``, N/m, and ``contact_damping``, N s/m, both (2, 2), are the sums over the
+    loaded balls between the rings.
 
     Examples
     --------
-    Natural frequency of the inner ring with its shaft, without contact, Hz:
+    Natural frequency of the inner ring on its shaft without contact, Hz:
 
     >>> from bearing_twin.dynamics import preset
     >>> stiffness, _ = system_matrices(preset('paper'), np.zeros((2, 2)), np.zeros((2, 2)))
@@ -71,13 +72,13 @@ def amplification(
     stiffness: FloatArray, damping: FloatArray, h: float, *, snaps: bool = True
 ) -> FloatArray:
     """
-    Matrix that one step of `integrator` applies to (q, v, a, j, snap) of a linear system.
+    Return the matrix of one step of `integrator` for (q, v, a, j, snap) of a linear system.
 
-    With ``snaps`` the predictor takes the snap.
+    With ``snaps`` the predictor uses the snap.
 
     Examples
     --------
-    A mass on a spring, 1 krad/s, damped by 0.5 %, decays as exp(-5 t):
+    A mass on a spring with 1 krad/s and a damping ratio of 0.5 % decays as exp(-5 t):
 
     >>> step = amplification(np.array([[1e6]]), np.array([[10.0]]), 1e-4)
     >>> bool(abs(abs(np.linalg.eigvals(step)).max() - math.exp(-5.0 * 1e-4)) < 1e-8)
@@ -85,7 +86,7 @@ def amplification(
 
     """
     n = len(stiffness)
-    # Rows of the state; then predictor, evaluation and corrector as in `integrator`.
+    # Rows of the state, then predictor, evaluation and corrector of `integrator`.
     q, v, a, j, s = np.eye(5 * n).reshape(5, n, 5 * n)
     ahead = a + h * (j + 0.5 * h * s)
     faster = v + h * (a + 0.5 * h * (j + h / 3.0 * s))
@@ -102,12 +103,12 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     """
     Return the steps per output sample that resolve the fastest motion.
 
-    `filters.least_steps`, or three times as many for stiff or light rings.
+    This is `filters.least_steps`, or three times as many for stiff or light rings.
 
     Raises
     ------
     BearingTwinError
-        As `check_step`.
+        See `check_step`.
 
     Examples
     --------
@@ -128,17 +129,18 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
 
 def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
     """
-    Refuse parameters whose fastest motion a step of ``h`` seconds does not resolve.
+    Raise an error if a step of ``h`` seconds does not resolve the fastest motion.
 
-    The equations are linearised at the load's equilibrium with the hottest contact stiffness, and
-    without contact. The step has to resolve every mode, and to be stable even at `_OVERLOAD`
-    times the contact stiffness, or at that under the unbalance of the fastest shaft, which goes
-    with the cube root of the force: the contact force goes with the power 1.5 of the approach.
+    The equations are linearised without contact, and in equilibrium under the load at the
+    temperature with the highest contact stiffness. The step must resolve every mode. It must also
+    be stable at `_OVERLOAD` times the contact stiffness, and at the stiffness under the unbalance
+    at the highest shaft speed. That stiffness is proportional to the cube root of the force, since
+    the contact force is proportional to the power 1.5 of the approach.
 
     Raises
     ------
     BearingTwinError
-        With the frequency of the fastest mode and what to change.
+        The message has the frequency of the fastest mode and the remedy.
 
     Examples
     --------
@@ -165,9 +167,9 @@ def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
 
 def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatArray, FloatArray]]:
     """
-    Fastest mode, rad/s, and matrices of the equations without contact, at rest and overloaded.
+    Return fastest mode, rad/s, K and C without contact, in equilibrium and under overload.
 
-    With ``preloaded`` at the least clearance that ring temperatures may leave.
+    With ``preloaded``, the clearance of the physical mode is at its lower limit.
     """
     constants, out = coefficients.constants_of(p), np.empty(coefficients.CONDITION_SIZE)
     factors = []
@@ -193,7 +195,7 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
     up_x, up_y = upwards(p)
     axes = np.array([[up_y, up_x], [-up_x, up_y]])
     touching = axes @ np.array([[kxx, kxy], [kxy, kyy]]) @ axes.T
-    # Half of the balls bear, in all directions alike: more than do at rest.
+    # Half of the balls in contact, equally in all directions: more than in equilibrium.
     damped = 0.5 * n * p.contact_damping * np.eye(2)
     thrown = p.unbalance * (2.0 * math.pi * MAX_SHAFT_HZ) ** 2
     overload = max(_OVERLOAD, (1.0 + thrown / p.load) ** (1.0 / 3.0))

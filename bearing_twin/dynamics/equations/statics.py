@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Static equilibrium, and the position of the shaft spring at which the bearing is loaded.
+Static equilibrium, and the position of the shaft spring that loads the bearing.
 
-The load's frame has its y axis against the load, so that the load acts along -y in it, and its x
-axis a right angle clockwise from that. For a load that acts downwards it is the frame of all else.
+In the load's frame the load acts along -y; the x axis is 90 degrees clockwise from the y axis. For
+a load that acts downwards this frame equals that of the equations.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ Symmetric = tuple[float, float, float]
 """Elements xx, xy and yy of a matrix."""
 
 _POSITIONS = 8
-"""Cage positions over one ball spacing."""
+"""Cage positions over one ball spacing, for the mean force."""
 
 
 class Supports(NamedTuple):
     """Shaft and housing in series, in the load's frame."""
 
     compliance: Symmetric
-    """m/N."""
+    """Compliance matrix, m/N."""
     aside: float
-    """How far they move across to the load under it, m: the foot of the shaft's spring makes up
-    for it, so that the mean force of the bearing has the load's direction."""
+    """Position of the spring foot across the load, m. It compensates the lateral deflection under
+    the load, so that the mean bearing force has the direction of the load."""
 
 
 def upwards(p: TwinParameters) -> tuple[float, float]:
     """
-    Direction (cos, sin) against the load; what a right angle leaves of rounding is taken off.
+    Return the direction (cos, sin) against the load; rounding errors at right angles are removed.
 
     Examples
     --------
@@ -56,11 +56,11 @@ def upwards(p: TwinParameters) -> tuple[float, float]:
 
 def supports(p: TwinParameters) -> Supports:
     """
-    Compliance of shaft and housing.
+    Return the compliance of shaft and housing in the load's frame.
 
     Examples
     --------
-    A housing that gives way sideways only moves across to a load that acts at 45 degrees:
+    A housing that is soft horizontally deflects across a load that acts at 45 degrees:
 
     >>> from bearing_twin.dynamics import preset
     >>> soft = preset('paper', outer_stiffness_x=1e6, load_angle=-math.pi / 4)
@@ -91,14 +91,14 @@ def force_and_stiffness(
     x: float, y: float, contact: Contact, balls: FloatArray
 ) -> tuple[float, float, float, float, float]:
     """
-    Force on the outer ring (x, y), N, and its stiffness (xx, xy, yy), N/m.
+    Return the force on the outer ring (x, y), N, and the stiffness (xx, xy, yy), N/m.
 
-    ``x, y`` is the displacement of the inner ring against the outer one, m; ``balls``, float64[4,
-    n], have gaps and directions as one step in `layout`.
+    ``x, y`` is the displacement of the inner ring relative to the outer ring, m. ``balls``,
+    float64[4, n], has gaps and directions in the rows of `layout`.
 
     Examples
     --------
-    One ball of eight, pressed in by 2 um, carries it all:
+    One of eight balls, with an approach of 2 um, carries the whole load:
 
     >>> contact, balls = Contact(k_b=1e10, damping=0.0), healthy_balls(-math.pi / 2, 5e-6, 8)
     >>> force = force_and_stiffness(0.0, -7e-6, contact, balls)
@@ -132,13 +132,13 @@ def equilibrium(
     Return displacement between the rings (x, y), m, and force on the outer ring (x, y), N.
 
     Solves ``(x, y) = foot - C F``, with the ``compliance`` C of shaft and housing in series, by
-    Newton's method from ``start``; ``balls`` as `force_and_stiffness` takes them. Between soft
-    supports and a stiff contact its steps may jump to and fro for ever: a step is halved while the
-    energy, which is convex, rises at its end by more than half of what it fell at its start.
+    Newton's method from ``start``; ``balls`` as in `force_and_stiffness`. With soft supports and
+    stiff contacts Newton's steps may oscillate forever. Therefore a step is halved while the slope
+    of the energy, which is convex, at its end exceeds half the descent at its start.
 
     Examples
     --------
-    With ball 0 under the load the shaft sinks by 14 um, and the bearing bears 502 N:
+    With ball 0 under the load the shaft sinks by 14 um, and the bearing carries 502 N:
 
     >>> stiff = Supports((1e-8, 0.0, 1e-8), 0.0)
     >>> contact = Contact(k_b=1.2e10, damping=0.0)
@@ -179,13 +179,13 @@ def spring_position(
     load: float, contact: Contact, clearance: float, held: Supports, n_balls: int
 ) -> float:
     """
-    Position y_i0 of the shaft spring, m, at which the mean contact force is ``load``, N.
+    Return the position y_i0 of the shaft spring, m, at which the mean contact force is ``load``.
 
-    In the load's frame; ``held`` are the supports.
+    The position is in the load's frame; ``load`` is in N, ``held`` are the supports.
 
     The mean is over the cage positions of one ball spacing. The grounded shaft spring would carry
-    most of an applied force; moving its foot instead leaves the load with the bearing. Newton's
-    method on the mean force, which grows the steeper the deeper the foot is.
+    most of an applied force; with a displaced foot the bearing carries the load. The solution is
+    by Newton's method on the mean force, which is convex in the depth of the foot.
 
     Examples
     --------
@@ -194,7 +194,7 @@ def spring_position(
     -19
 
     """
-    # A start for Newton's method, from the power 1.5 of the contact law.
+    # Start of Newton's method from the power 1.5 of the contact law.
     sag = (4.4 * load / (n_balls * contact.k_b)) ** (2.0 / 3.0)
     cxx, cxy, cyy = held.compliance
     spring = -(max(clearance, 0.0) + sag + load * cyy)
@@ -204,7 +204,7 @@ def spring_position(
         healthy_balls(spacing * (i + 0.5) / _POSITIONS - 0.5 * math.pi, clearance, n_balls)
         for i in range(_POSITIONS)
     ]
-    # Far from contact nothing pulls, and Newton's step has to be bounded.
+    # Without contact there is no slope, and Newton's step has to be limited.
     floor = -0.1 / (cyy + 1.0 / (contact.k_b * math.sqrt(sag)))
     for _ in range(100):
         mean = slope = 0.0
@@ -215,7 +215,7 @@ def spring_position(
             _, fy, kxx, kxy, kyy = force_and_stiffness(x, y, contact, balls[i])
             a, b = 1.0 + kxx * cxx + kxy * cxy, kxy * cxx + kyy * cxy
             c, d = kxy * cyy + kxx * cxy, 1.0 + kyy * cyy + kxy * cxy
-            # How the force follows the spring.
+            # Derivative of the mean force with respect to the spring position.
             slope -= (kyy * a - kxy * b) / (a * d - b * c) / _POSITIONS
             mean -= fy / _POSITIONS
             at[i] = x, y

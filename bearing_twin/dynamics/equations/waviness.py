@@ -3,44 +3,45 @@
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Waviness of races and balls: what a healthy bearing sounds of.
+Waviness of races and balls, the source of vibration of a healthy bearing.
 
-No surface is round. Each race has a random profile around its circumference and each ball one
-around the circle on which it rolls; how far a surface lies below its mean opens the gap of the
-ball that is there. `TwinParameters.waviness` says how wavy they are: it is the velocity that the
-bearing would show in each of the three bands of its vibration test, 50 to 300, 300 to 1800 and
-1800 to 10000 Hz at 1800 rpm (ISO 15242-1 and -2; the limits are the makers' vibration classes).
+Each race has a random profile around its circumference, and each ball has one along its rolling
+track. The distance of a surface below its mean opens the gap of the ball at that place.
+`TwinParameters.waviness` is the RMS velocity v that the bearing would show in each of the three
+bands of a bearing vibration test: 50 to 300, 300 to 1800 and 1800 to 10000 Hz at 1800 rpm (ISO
+15242-1 and -2; the makers' vibration classes set the limits).
 
-On that test an axial load presses all Z balls alike, and a ring moves by ``(2/Z) sum w_j cos
-theta_j`` as the gaps w_j of its balls change. With a mean square P_n of order n of a profile
-that passes f_1 times a second and makes the share s of the power,
+In this test an axial load presses all Z balls equally. As the gaps w_j of the balls change, the
+ring moves by ``(2/Z) sum w_j cos theta_j``. For a profile that passes f_1 times per second and has
+the fraction s of the power, let P_n be the mean square of order n. Then
 
     s v^2 = (2/Z) sum_band (2 pi n f_1)^2 P_n ,   P_n = c / n^3
     c = s v^2 Z / (2 (2 pi f_1)^2 ln 6)
 
-since ``sum 1/n`` over a band whose ends are as 1 to 6 is ln 6. Ground and honed surfaces have
-spectra like that, amplitudes that fall with about the power 1.5 of the order (Wensing, On the
-dynamics of ball bearings, thesis, Twente 1998). With the same finish everywhere each race makes a
-quarter of the power, and the balls, which touch both, half of it. Order 1 of a race is an
-eccentricity, which is no waviness. Of a ball only even orders change its diameter (Harris and
-Kotzalas, Advanced Concepts of Bearing Technology, 5th ed., chapter 14), and its axis of spin
-wanders: it rolls along a track that closes only after `layout.SPIN_TURNS` turns. Waves shorter
-than `_SHORTEST` are bridged by the contact, which is as long in the rolling direction. What is
-shorter still, the roughness, is carried by the film and not felt. Since both end the spectrum, the
-lowest band shows 18 % less than v and the highest 12 % (6307, 6001 and 6320; of the angular
-contact bearing 7218B 35 and 6 %).
+since ``sum 1/n`` over a band with an edge ratio of 6 is ln 6. Ground and honed surfaces have such
+spectra: their amplitudes fall with about the power 1.5 of the order (Wensing, On the dynamics of
+ball bearings, thesis, Twente 1998). With equal finish, each race has a quarter of the power and
+the balls, which touch both races, have half of it.
 
-The default of 50 um/s is a choice and no class of a standard. ISO 15242 tells how to measure and
-sets no limits; JB/T 10187 and GB/T 32325 set them by size for the classes V (any bearing) to V4,
-but their tables were not open to us. It makes the outer race of a 6307 0.2 um (RMS) out of round
-with 2 waves and 17 nm with 10, and a healthy bearing of the presets shows some tenths of a m/s^2.
-Who has the sheet of a vibration test sets v to the quadratic mean of its three bands; who has a
-trace of roundness with an RMS amplitude a_n of n waves sets
+Order 1 of a race is excluded: it is an eccentricity. Only even orders of a ball change its
+diameter (Harris and Kotzalas, Advanced Concepts of Bearing Technology, 5th ed., chapter 14). The
+spin axis of a ball wanders, so its track closes only after `layout.SPIN_TURNS` turns. Waves
+shorter than `_SHORTEST` are left out: the contact, which is that long in the rolling direction,
+bridges them. The oil film covers roughness, which is shorter still. Since the spectrum is limited,
+the lowest band shows 18 % less than v and the highest 12 % less (6307, 6001 and 6320; 35 and 6 %
+for the angular contact bearing 7218B).
 
-    v = 2 pi f_1 a_n sqrt(2 ln 6 n^3 / (s Z))
+The default of 50 um/s is a choice, not a class of a standard. ISO 15242 describes the measurement
+and sets no limits; JB/T 10187 and GB/T 32325 set limits by size for the classes V (any bearing) to
+V4, but their tables were not available to us. With the default, the outer race of a 6307 has RMS
+amplitudes of 0.2 um at 2 waves and 17 nm at 10 waves, and a healthy bearing of the presets
+vibrates with some tenths of a m/s^2. To match a real bearing, choose v in one of three ways:
 
-with f_1 at 30 Hz (outer race ``30 ftf``, inner ``30 (1 - ftf)``, in orders of `fault_orders`) and
-s = 1/4; who has a healthy machine compares its level with that of a healthy twin.
+- from a vibration test: the quadratic mean of its three bands;
+- from a roundness trace with an RMS amplitude a_n of n waves:
+  ``v = 2 pi f_1 a_n sqrt(2 ln 6 n^3 / (s Z))``, with s = 1/4 and f_1 at 30 Hz (outer race
+  ``30 ftf``, inner race ``30 (1 - ftf)``, with ftf of `fault_orders`);
+- from a healthy machine: compare its vibration level with that of a healthy twin.
 """
 
 from __future__ import annotations
@@ -64,51 +65,51 @@ FloatArray = npt.NDArray[np.float64]
 
 _F = np.float32
 _TEST_HZ = 30.0
-"""Speed of the test, 1800 rpm."""
+"""Shaft speed of the vibration test, Hz (1800 rpm)."""
 _BAND = math.log(6.0)
-"""Of the ratio of a band's ends."""
+"""Logarithm of the edge ratio of a band."""
 _SHORTEST = 0.02
-"""Shortest wave over the ball's diameter: 0.28 mm for a 6307, whose contact with the inner race is
+"""Shortest wavelength over ball diameter: 0.28 mm for a 6307, whose contact with the inner race is
 0.3 mm long under 1 kN (Hertz)."""
 _NODES = 3
-"""Nodes of a table for the shortest wave."""
+"""Nodes of a table per shortest wavelength."""
 REPEATED = 3
-"""Nodes of a table that are there twice."""
+"""Nodes of a table that are repeated at its ends."""
 _DRAWS = 1 << 20
-"""Room for the random numbers of one profile."""
+"""Distance between the first random numbers of two profiles."""
 
 
 class Surfaces(NamedTuple):
-    """Tables of all profiles of one bearing, one after the other in `table`."""
+    """Tables of all profiles of one bearing."""
 
     table: Any
-    """float32: for each node of a profile its gap, m, and slope, m per node. One node before the
-    first and two after the last are repeated, for what rounds beyond the ends."""
+    """float32: profiles one after the other; gap, m, and slope, m per node, of each node. One node
+    before the first and two after the last are repeated, for positions rounded beyond the ends."""
     outer: int
-    """Nodes of a turn of the outer race; 0 for perfect surfaces."""
+    """Nodes per turn of the outer race; 0 for perfect surfaces."""
     inner: int
     ball: int
-    """Nodes of the track of a ball, `layout.SPIN_TURNS` turns long."""
+    """Nodes of the track of a ball, which is `layout.SPIN_TURNS` turns long."""
     room: Any
-    """float32: what `look_up` finds, for a multiple of `vector.L` balls; else zeros."""
+    """float32: output of `look_up`, padded to a multiple of `vector.L` balls; zeros before."""
     places: Any
-    """float32[2, balls]: how many nodes each ball is ahead of ball 0 on outer and inner race."""
+    """float32, (2, balls) flat: nodes by which each ball is ahead of ball 0, on each race."""
     begins: Any
-    """int64[3, balls]: where in `table` the nodes under each ball begin."""
+    """int64[3, balls]: index in `table` of the first node of each ball's profiles."""
     highest: float
-    """Most that the gap of a ball can be smaller than that of perfect surfaces, m."""
+    """Upper bound of the gap reduction by waviness, m."""
 
 
 def profiles(p: TwinParameters, seed: int) -> list[tuple[FloatArray, FloatArray]]:
     """
-    Random profiles of outer race, inner race and balls: gap, m, and its slope, m a round.
+    Return random profiles of outer race, inner race and balls: gap, m, and slope, m per round.
 
-    Each at equidistant nodes of a turn of the race or of the track of a ball, shape (1, nodes) or
-    (balls, nodes). The nodes of a race are a multiple of the balls.
+    Their nodes are equidistant on a turn of the race or the track of a ball, shape (1, nodes) or
+    (balls, nodes). The number of nodes of a race is a multiple of the number of balls.
 
     Examples
     --------
-    A 6307 is out of round by less than a micrometre:
+    The races of a 6307 have a roundness error below a micrometre:
 
     >>> from bearing_twin.dynamics import preset
     >>> outer, inner, balls = profiles(preset('paper'), seed=0)
@@ -121,8 +122,8 @@ def profiles(p: TwinParameters, seed: int) -> list[tuple[FloatArray, FloatArray]
     bearing, orders = p.bearing, fault_orders(p.bearing)
     g, n = bearing.gamma, bearing.n_balls
     around, turns = math.pi / bearing.d_ball * bearing.d_pitch, SPIN_TURNS
-    # Length over the ball's diameter, parts, passes per turn of the shaft, lowest order, share of
-    # the power, streams of random numbers.
+    # Length over ball diameter, divisor of the number of nodes, passes per shaft turn, lowest
+    # order, fraction of the power, random number streams.
     kinds = (
         (around * (1.0 + g), n, orders.ftf, 2, 0.25, [0]),
         (around * (1.0 - g), n, 1.0 - orders.ftf, 2, 0.25, [1]),
@@ -146,7 +147,7 @@ def profiles(p: TwinParameters, seed: int) -> list[tuple[FloatArray, FloatArray]
 
 @compiled()
 def _draws(first, count, seed):
-    """Complex numbers whose parts are standard normal."""
+    """Return complex random numbers with standard normal real and imaginary parts."""
     numbers = np.empty(count, np.complex128)
     for k in range(count):
         real, imaginary = normal_pair(first + k, SURFACE, seed)
@@ -156,7 +157,7 @@ def _draws(first, count, seed):
 
 def surfaces(p: TwinParameters, seed: int) -> Surfaces:
     """
-    Tables of the surfaces of one bearing.
+    Return the surface tables of one bearing.
 
     Examples
     --------
@@ -173,7 +174,7 @@ def surfaces(p: TwinParameters, seed: int) -> Surfaces:
         rows = np.stack([gaps, slopes / gaps.shape[1]], axis=-1)
         parts.append(np.pad(rows, ((0, 0), (1, REPEATED - 1), (0, 0)), 'wrap').ravel())
         nodes.append(gaps.shape[1])
-        # A cubic may rise above its nodes by a quarter of the slopes at both ends.
+        # A cubic may exceed its nodes by a quarter of the end slopes.
         highest += float(np.abs(gaps).max() + 0.25 * np.abs(slopes).max() / gaps.shape[1])
     outer, inner, ball = nodes
     table = np.concatenate(parts).astype(np.float32)
@@ -184,7 +185,7 @@ def _laid_out(
     table: Any, n_balls: int, outer: int, inner: int, ball: int, highest: float = 0.0
 ) -> Surfaces:
     """
-    Put together the tables of one bearing from their numbers and how many nodes each has.
+    Return the tables of one bearing from the joined profiles and their numbers of nodes.
 
     Examples
     --------
@@ -207,7 +208,7 @@ def _laid_out(
 
 @compiled(inline=True, fast=FAST)
 def _node(share, nodes):
-    """Node ``share`` of the way through a table, and how far to the next."""
+    """Return the node at the fraction ``share`` of a table, and the fraction to the next node."""
     along = share * nodes
     node = _held(int(along), nodes)
     return node, _F(along - node)
@@ -215,16 +216,17 @@ def _node(share, nodes):
 
 @compiled(inline=True)
 def _held(number, count):
-    """Return a ``number`` held to 0..count - 1: no phase may lead out of a table."""
+    """Clamp ``number`` to 0..count - 1, so that no phase leads out of a table."""
     return min(max(number, 0), count - 1)
 
 
 @compiled(inline=True, fast=FAST)
 def under(table, begins, row, node, u, rate, ahead=None):
     """
-    Gap, m, and its rate, m/s, ``u`` of the way from a node to the next, ``rate`` nodes/s.
+    Return gap, m, and its rate, m/s, at the fraction ``u`` between two nodes; ``rate`` is nodes/s.
 
-    ``ahead`` nodes further is where it will be looked up soon.
+    ``row`` and ``begins`` are arguments of `vector.load_fours`, which prefetches ``ahead`` nodes
+    further, where the next look-up will be.
     """
     here, slope, there, other = load_fours(table, begins, row, node, ahead)
     v, rise = _F(1.0) - u, there - here
@@ -236,7 +238,7 @@ def under(table, begins, row, node, u, rate, ahead=None):
 
 @compiled()
 def with_own_room(surfaces):
-    """Return the same with room that nothing else writes to meanwhile."""
+    """Return a copy with its own ``room``, for use in parallel."""
     s = surfaces
     room = np.zeros_like(s.room)
     return Surfaces(s.table, s.outer, s.inner, s.ball, room, s.places, s.begins, s.highest)
@@ -245,9 +247,9 @@ def with_own_room(surfaces):
 @compiled(inline=True, fast=FAST)
 def look_up(surfaces, n_balls, phases, rates, room):
     """
-    Put into ``room`` the gaps that waviness opens, m, then their rates, m/s.
+    Fill ``room`` with the gaps due to waviness, m, then their rates, m/s.
 
-    ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s; ``room`` as
+    ``phases``, turns, and ``rates``, turns/s, are those of cage, shaft and ball spin; ``room`` as
     in `Surfaces`.
     """
     table, begins = surfaces.table, surfaces.begins
