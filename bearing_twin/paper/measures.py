@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What is read off a simulated record: peaks, spectra and their lines."""
+"""Measures of a simulated record: peaks, spectra and their lines."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From nothing to report.md, claims.json and the figures."""
+"""Recompute the paper: write report.md, claims.json and the figures."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 MARKER = '.bearing-twin-paper'
-"""File by which a folder that this command wrote is known."""
+"""Marker file of a folder that this command wrote."""
 
 
 def prepare_folder(folder: Path) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The simulations behind the figures and claims, and how they are run on several processes."""
+"""Simulations behind the figures and claims, run in several processes."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class RunSpec:
     was: float | None = None
     """Temperature before t = 0, degC; None: `temperature`."""
     ramp: bool = False
-    """Whether the temperature goes from `was` in proportion to time over the record; else at
+    """Whether the temperature changes linearly from `was` over the record; otherwise it changes at
     once, and the motion settles a second time before t = 0."""
     seconds: float = settings.DURATION
     rate: float = 51200.0
@@ -62,7 +62,7 @@ class RunSpec:
     delta_mu: float = settings.DELTA_MU
     """Weight of friction in beta0."""
     load: float | None = None
-    """Instead of the preset's, N; the next three likewise, m."""
+    """Load instead of the preset's, N; the next three likewise, m."""
     width: float | None = None
     depth: float | None = None
     clearance: float | None = None
@@ -177,5 +177,5 @@ def in_parallel(work: Callable[[S], R], items: Sequence[S], *, processes: int) -
     try:
         return list(bar(pool.map(work, items)))
     finally:
-        # After an interrupt or a failed run, the rest is not worked off first.
+        # After an interrupt or a failed run, the remaining simulations are cancelled.
         pool.shutdown(cancel_futures=True)

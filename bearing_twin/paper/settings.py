@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the paper states, and what it leaves open and we had to choose.
+Values that the paper states, and values that it leaves open and we chose.
 
 Zhang, C.; Liu, T.; Wang, Y.; He, H.; Zhang, C. Symmetry 2023, 15, 2166 (CC BY).
 """
@@ -23,7 +23,7 @@ Factor = Literal['expansion', 'hardness', 'friction', 'all']
 # Stated by the paper, section 2.
 
 BORE, OUTSIDE = 35e-3, 80e-3
-"""Boundary dimensions of a 6307, m (ISO 15): what the paper's text calls d and D."""
+"""Boundary dimensions of a 6307, m (ISO 15). The paper's text calls them d and D."""
 BEARING = Bearing(
     name='6307',
     n_balls=8,
@@ -51,7 +51,7 @@ F_IN: Mapping[str, float] = MappingProxyType(
 )
 """Inner-ring fault frequency as quoted for each figure, Hz. Figure 31 is the experiment."""
 F_IN_PRINTED_AT_20 = (F_IN['fig4'], F_IN['fig30'])
-"""Both are quoted for the model without temperature, Hz."""
+"""The two values quoted for the model without temperature, Hz."""
 FACTORS: tuple[Factor, ...] = ('expansion', 'hardness', 'friction', 'all')
 STATED_TRENDS: Mapping[Factor, int] = MappingProxyType(
     {'expansion': -1, 'hardness': +1, 'friction': -1, 'all': -1}
@@ -66,9 +66,9 @@ FACTOR_TEXT: Mapping[Factor, str] = MappingProxyType(
     }
 )
 C_D_UNIT = 'N s/m'
-"""Unit of a damping, which section 3 calls C_d ('friction damping')."""
+"""Unit of C_d as a damping: section 3 calls it 'friction damping'."""
 AMPLITUDE_UNIT: str | None = None
-"""Unit of the axis 'amplitude V' of the waterfalls: none is given; V is a symbol, as t and T."""
+"""Unit of the axis 'amplitude V' of the waterfalls: none is given; V is a symbol, like t and T."""
 EXPERIMENT = None
 """The record behind figure 31: 'the data are not disclosed'."""
 AMPLITUDE_AT_20 = None
@@ -80,13 +80,13 @@ STATED_SINGLE_CURVES: Mapping[str, int] = MappingProxyType({})
 DISCLOSED = frozenset(
     {'n_balls', 'd_ball', 'd_pitch', 'contact_angle', 'shaft_hz', 'temperature', 'duration'}
 )
-"""Quantities to which the paper gives a value."""
+"""Quantities for which the paper gives a value."""
 REQUIRED = DISCLOSED | {
     'hertz_stiffness', 'defect depth', 'defect width', 'clearance', 'load', 'contact_damping',
     'inner_mass', 'inner_stiffness', 'inner_damping', 'outer_mass', 'outer_stiffness',
     'outer_damping', 'delta_h', 'delta_mu', 'sample_rate',
 }  # fmt: skip
-"""Quantities without which its simulation cannot be run."""
+"""Quantities that its simulation needs."""
 
 # Chosen here, because the paper gives no value.
 
@@ -98,7 +98,7 @@ FORMULA_RATIOS: Mapping[str, float] = MappingProxyType(
 """Spall depth over ring approach at which the static formula is drawn, inside and outside the
 window 0.4 to 1 in which the force falls with beta0."""
 APPROACH = 27e-6
-"""Ring approach at the ball for the static formula, m: that of `paper` under its 3.2 kN."""
+"""Ring approach at the ball for the static formula, m: its value in `paper` under 3.2 kN."""
 PUBLISHED_MODELS: Mapping[str, tuple[str, Mapping[str, float]]] = MappingProxyType(
     {
         'mishra2017': ('mishra2017', {}),
@@ -109,15 +109,15 @@ PUBLISHED_MODELS: Mapping[str, tuple[str, Mapping[str, float]]] = MappingProxyTy
         ),
     }
 )
-"""Preset with the masses and stiffnesses of published models, and what is changed in it: Dong's
-thesis and the code that cites it have a rotor of 50 kg, eccentric by 50 um. That is no preset of
-the twin, since its trend depends on speed, load and clearance."""
+"""Preset with the masses and stiffnesses of published models, and the parameters changed in it.
+Dong's thesis and the code that cites it have a rotor of 50 kg with an eccentricity of 50 um. It is
+not a preset of the twin, because its trend depends on speed, load and clearance."""
 PRESET_NAMES = ('paper', 'incipient')
-"""Presets of the simulation in which the stated trends do, and do not, hold."""
+"""Presets of the simulation: the stated trends hold in the first and not in the second."""
 
 
 def factor_of(factor: Factor | None, *, delta_mu: float = DELTA_MU) -> Beta0:
-    """Return beta0 with only the terms of ``factor``; None: none of them, beta0 = 1."""
+    """Return beta0 with only the terms of ``factor``; with None beta0 = 1."""
     return Beta0(
         expansion=factor in ('expansion', 'all'),
         hardness=factor in ('hardness', 'all'),

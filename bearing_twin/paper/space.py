@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The settings that the paper leaves open, and where in them the amplitude falls with beta0."""
+"""Grid of the settings that the paper leaves open: where the amplitude falls with beta0."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ STATES: tuple[tuple[settings.Factor, float], ...] = (
 
 @dataclass(frozen=True, kw_only=True)
 class Space:
-    """Values of the settings over which a statement is asked for its share."""
+    """Values of the settings. A statement is judged by the share of them in which it holds."""
 
     profiles: tuple[Profile, ...] = ('ball', 'rect')
     speeds: tuple[float, ...] = (22.0, 25.4, 29.0)
@@ -47,7 +47,7 @@ class Space:
         return tuple(len(getattr(self, field.name)) for field in dataclasses.fields(self))
 
     def specs(self) -> list[RunSpec]:
-        """Return three runs a point: beta0 = 1, with expansion and with friction at 110 degC."""
+        """Return three runs per point: beta0 = 1, expansion at 110 degC, friction at 110 degC."""
         axes = (getattr(self, field.name) for field in dataclasses.fields(self))
         return [
             RunSpec(
@@ -67,8 +67,8 @@ class Grid:
     """
     How the amplitude follows beta0 in `SPACE`.
 
-    All temperature trends of the model are one statement, A falls with beta0; expansion and
-    hardness ask it of changes of 1 %, friction and all factors of 12 %.
+    All temperature trends of the model are one statement: A falls with beta0. Expansion and
+    hardness test it with changes of beta0 by 1 %, friction and all factors by 12 %.
     """
 
     small: FloatArray

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The numerical study: which simulations are run, and what is kept of each."""
+"""The numerical study: simulations that are run, and results that are kept of each."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 STARTS = 8
-"""Starts over one beat of f_in against 5 f_r, to see how much the start decides the amplitude."""
+"""Starts over one beat of f_in against 5 f_r: they show how the amplitude depends on the start."""
 FREQUENCY_SECONDS = 12.0
-"""Long enough to separate f_in from 5 f_r, 0.66 Hz away without and 0.18 Hz with slip."""
+"""Record length that separates f_in from 5 f_r, 0.66 Hz away without and 0.18 Hz with slip, s."""
 FREQUENCY_RATE = 25600.0
 WINDOW_WIDTH = 2.0e-3
-"""Width of equation 8's own window at which the ball spends the falling flank in it, m."""
+"""Width of equation 8's own window at which the amplitude falls with beta0, m."""
 SMALL_DELTA_MU = 0.001
-"""A weight of friction that the paper allows just as well as `settings.DELTA_MU`."""
+"""A smaller weight of friction, which the paper allows as well as `settings.DELTA_MU`."""
 LITERATURE_LOADS = (500.0, 2000.0)
 LITERATURE_WIDTHS = (0.8e-3, 1.6e-3, 2.8e-3)
 LITERATURE_DEPTHS = (15e-6, 40e-6)
@@ -40,14 +40,14 @@ LITERATURE_DEPTHS = (15e-6, 40e-6)
 
 @dataclass(frozen=True, kw_only=True)
 class TrendPoint:
-    """One preset, factor and temperature."""
+    """Results for one preset, factor and temperature."""
 
     time: FloatArray
     """s, 0 to 0.7."""
     acceleration: npt.NDArray[np.float32]
     """m/s^2."""
     amplitude: float
-    """Of the record from t = 0, m/s^2; see `impact_amplitude`."""
+    """Impact amplitude of the record from t = 0, m/s^2; see `impact_amplitude`."""
     by_start: FloatArray
     """Amplitude of records of 0.7 s from `STARTS` starts, m/s^2."""
     peak_times: FloatArray
@@ -60,7 +60,7 @@ class TrendPoint:
 
 @dataclass(frozen=True, kw_only=True)
 class FrequencyPoint:
-    """One preset, slip model and temperature; all three factors act."""
+    """Results for one preset, slip model and temperature, with all three factors."""
 
     prescribed: float
     """Ball-pass frequency that the kinematics give, Hz."""
@@ -77,10 +77,10 @@ class FrequencyPoint:
 
 
 class WarmPoint(NamedTuple):
-    """One preset in the physical mode at one temperature."""
+    """Results for one preset in the physical mode at one temperature."""
 
     amplitude: float
-    """m/s^2."""
+    """Impact amplitude, m/s^2."""
     clearance: float
     """Radial clearance, m."""
 
@@ -99,29 +99,29 @@ class Warming(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """Everything that was simulated."""
+    """Results of all simulations."""
 
     trends: Mapping[tuple[str, str], tuple[TrendPoint, ...]]
-    """By preset and factor, one point a temperature."""
+    """By preset and factor, one point per temperature."""
     frequencies: Mapping[tuple[str, str, float], FrequencyPoint]
     """By preset, slip model and temperature."""
     faults: Mapping[str, Mapping[str, float]]
     """By place of the defect: heights of the lines f_in, f_out, f_b, 2 f_b and f_c over the floor
     of the envelope spectrum."""
     physical: Mapping[str, Warming]
-    """In the twin's thermal mode ``'physical'``, by preset."""
+    """By preset, in the twin's thermal mode ``'physical'``."""
     window: Mapping[settings.Factor, float]
     """Relative change of the amplitude from 20 to 110 degC by factor, in `paper` with equation
     8's own window, `WINDOW_WIDTH` wide."""
     ramp: Mapping[str, FloatArray]
-    """Amplitude in each tenth of a run in which the temperature goes from 20 to 110 degC in
-    proportion to time over ten beats of f_in against 5 f_r, by preset, m/s^2, shape (10,)."""
+    """Amplitude in each tenth of a run with a linear temperature ramp from 20 to 110 degC over ten
+    beats of f_in against 5 f_r, by preset, m/s^2, shape (10,)."""
     forgotten: Mapping[str, float]
-    """Relative difference of the amplitude at 20 degC between a run that was at 20 and one that
-    was at 110 degC before t = 0, by preset."""
+    """Relative change of the amplitude at 20 degC if the run was at 110 degC instead of 20 before
+    t = 0, by preset."""
     literature: Mapping[str, FloatArray]
     """Relative change of the amplitude from 20 to 110 degC, all factors, by published preset; one
-    for each of `LITERATURE_LOADS`, `LITERATURE_WIDTHS` and `LITERATURE_DEPTHS`."""
+    for each combination of `LITERATURE_LOADS`, `LITERATURE_WIDTHS` and `LITERATURE_DEPTHS`."""
     small_mu: Mapping[tuple[str, str], float]
     """Relative change of the amplitude from 20 to 110 degC with `SMALL_DELTA_MU`, by preset and
     factor."""
@@ -245,7 +245,7 @@ def _do(job):  # type: ignore[no-untyped-def]
 
 
 def _beat() -> float:
-    """Period of f_in against 5 f_r, over which impacts fall on every shaft angle, s."""
+    """Return the beat period of f_in and 5 f_r, s: over it impacts fall on every shaft angle."""
     bpfi = fault_frequencies(settings.BEARING, settings.SHAFT_HZ).bpfi
     return 1.0 / (5.0 * settings.SHAFT_HZ - bpfi)
 

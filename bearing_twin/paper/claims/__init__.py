@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the paper states, by subject, and the verdict of its numbers."""
+"""Claims of the paper by subject, each with a computed verdict."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A claim of the paper beside our number and a verdict."""
+"""A claim of the paper, our value and a verdict."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Claim:
     our_value: Any
     """The same from our computation; None if there is nothing to compute it from."""
     why: str
-    """Rule and reason; where settings decide, the settings as well."""
+    """Rule and reason; the settings too, if they decide."""
     verdict: Verdict = NOT_CHECKABLE
     """Computed from the numbers by the rule that `why` names; from `as_printed` where given."""
     as_printed: Mapping[str, bool] | None = None
@@ -73,7 +73,7 @@ class Claim:
 
 
 def _outcome(lead: str, held: Mapping[str, bool]) -> str:
-    """Write under which names a claim holds and fails."""
+    """Return the settings in which a claim holds and fails, as a text."""
     text = ''
     for word, good in (('holds', True), ('fails', False)):
         names = '; '.join(name for name, outcome in held.items() if bool(outcome) is good)

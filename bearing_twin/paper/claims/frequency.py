@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about the fault frequencies: their formulas, and what places and lines show."""
+"""Claims about the fault frequencies: formulas, and spectral lines of each defect."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 LOWEST = 5.0
-"""Envelope lines below it are not looked for, Hz."""
+"""Lowest frequency at which envelope lines are searched, Hz."""
 BIN = 1.0 / settings.DURATION
 """Resolution of a spectrum of the paper's 0.7 s record, Hz."""
 COLD = 20.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about how far the trends reach: other settings, other models, other courses in time."""
+"""Claims about the generality of the trends: other settings, other models, temperature ramps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def general_claims(study: Study) -> list[Claim]:
-    """Judge the generality of the trends and what the paper says about their cause."""
+    """Judge the generality of the trends and the causes that the paper names."""
     return [
         _formula_verifies(study),
         _general(study),

@@ -84,10 +84,11 @@ def system_matrix(parameters: TwinParameters, beta0: float = 1.0) -> npt.NDArray
 
 def circulation(*, as_printed: bool) -> float:
     """
-    Skew part of the contact stiffness over its size; 0 if the forces have a potential.
+    Return the skew part of the contact stiffness over its norm; 0 if the forces have a potential.
 
-    Equation 7 as printed, or equation 8 as read, for `paper` at static equilibrium plus a
-    sideways displacement of 2 um, with the balls a tenth of a spacing off the load direction.
+    The law is equation 7 as printed, or equation 8 as read. The preset `paper` is displaced by 2
+    um sideways from static equilibrium, with the balls a tenth of a spacing off the load
+    direction.
     """
     p = preset('paper', bearing=settings.BEARING)
     theta = equations.ball_angles(p.bearing.n_balls, -math.pi / 2 + 0.1 * math.tau / 8)
@@ -290,7 +291,7 @@ def _friction_equation() -> Claim:
 
 @functools.cache
 def _solver() -> Claim:
-    # Seconds, and the same for every study.
+    # It takes seconds and is the same for every study.
     p = preset('paper', bearing=settings.BEARING, jitter=0.0, noise=0.0, waviness=0.0)
     values = np.linalg.eigvals(system_matrix(p))
     radius = float(np.abs(values).max())

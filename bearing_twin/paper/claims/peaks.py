@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 TIME_DIGIT = 0.001
-"""Last digit printed of a time, s."""
+"""Last printed digit of a time, s."""
 HOT = 100.0
 
 

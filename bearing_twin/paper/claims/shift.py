@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about what temperature does to the frequencies."""
+"""Claims about the effect of temperature on the frequencies."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 
 SHIFT_TOLERANCE = 0.02
-"""Agreement asked of a shift that is read off two records of 12 s, Hz."""
+"""Tolerance of a shift that is read off two records of 12 s, Hz."""
 STATED = settings.F_IN['fig32'] - settings.F_IN['fig30']
 """Shift that the paper attributes to temperature, Hz."""
 SLIPS: Mapping[str, str] = MappingProxyType(
     {'none': "the paper's equations", 'mu_proportional': 'with cage slip s0 mu(T)/mu0'}
 )
 _PLACES = 4
-"""Decimals of a line that mean something: below them is the compiler's rounding."""
+"""Significant decimals of a line, Hz; further digits depend on the compiler's rounding."""
 COLD, HOT = 20.0, 100.0
 
 
@@ -77,9 +77,9 @@ def _moves(study: Study) -> dict[str, list[float]]:
 
 def _contact_mode(name: str, temperature: float) -> float:
     """
-    Frequency of the fastest mode, in which the rings move on the balls, Hz.
+    Return the frequency of the fastest mode, in which the rings move on the balls, Hz.
 
-    Of a preset at rest, with the friction term of beta0 at ``temperature`` on its contacts.
+    The preset is at rest. The friction term of beta0 at ``temperature`` scales its contacts.
     """
     beta0 = equations.beta0('friction', temperature)
     matrix = system_matrix(preset(name, bearing=settings.BEARING), beta0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about how the acceleration amplitude follows the temperature."""
+"""Claims about the change of the acceleration amplitude with temperature."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ def _strongest(study: Study) -> list[Claim]:
         f'{name}, delta_mu={SMALL_DELTA_MU:g}': {f: study.small_mu[name, f] for f in single}
         for name in settings.PRESET_NAMES
     }
-    # beta0 is linear in delta_mu, so the weight at which friction draws level is a ratio.
+    # beta0 is linear in delta_mu, so the weight at which friction equals the others is a ratio.
     span = {f: _span(f) for f in single}
     level = settings.DELTA_MU * max(span['expansion'], span['hardness']) / span['friction']
     return [
@@ -262,9 +262,9 @@ def own_ratio(parameters: TwinParameters) -> float:
     """
     Spall depth that a ball reaches, over the static approach of the most loaded ball.
 
-    The ball carries 4.37 W/Z (Stribeck, no clearance). It sinks no deeper than its radius lets it
-    between the edges, ``(w/2)^2 (1/d + 1/(D - d))`` on the inner race, but through the window of
-    equation 8 by the whole depth.
+    The ball carries 4.37 W/Z (Stribeck, no clearance). Its radius lets it sink between the edges
+    by at most ``(w/2)^2 (1/d + 1/(D - d))`` on the inner race. Through the window of equation 8 it
+    sinks by the whole depth.
     """
     bearing, defect = parameters.bearing, parameters.defects[0]
     force = 4.37 * parameters.load / bearing.n_balls

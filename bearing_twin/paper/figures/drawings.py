@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which figures are drawn. Figures 1-3, 11, 18, 25, 26 are sketches, 31 is an experiment."""
+"""Table of the drawn figures. Figures 1-3, 11, 18, 25, 26 are sketches, 31 is an experiment."""
 
 from __future__ import annotations
 
@@ -67,4 +67,4 @@ def _registry() -> dict[str, Drawing]:
 
 
 FIGURES: Mapping[str, Drawing] = MappingProxyType(_registry())
-"""By number in the paper."""
+"""Figures by their number in the paper."""

@@ -29,7 +29,7 @@ def unit_force() -> float:
 
 
 def _note(force: FloatArray, beta: FloatArray) -> str:
-    """Say how the force goes with beta0, from the curve itself."""
+    """Return in words how the force depends on beta0, from the curve itself."""
     _, rows = np.unique(beta, return_index=True)
     slopes = np.diff(force[rows])
     if np.all(slopes < 0.0):
@@ -41,7 +41,7 @@ def _draw(
     title: str, text: str, force: Callable[[FloatArray, float], FloatArray], number: int,
     factor: settings.Factor,
 ) -> Figure:  # fmt: skip
-    """Draw ``force`` of beta0 and C_d0/approach, N, a panel for each ratio."""
+    """Draw ``force(beta0, C_d0/approach)``, N, one panel per ratio."""
     figure = new_figure(f'Figure {number}. {title}: {settings.FACTOR_TEXT[factor]}')
     beta = np.array([equations.beta0(factor, t) for t in settings.TEMPERATURE_NODES])
     panels = figure.subplots(1, 2)

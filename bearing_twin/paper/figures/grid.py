@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the stated trends hold: a map that the paper does not have."""
+"""Map of the settings in which the stated trends hold; the paper has none."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def grid_map(study: Study) -> Figure:
-    """Draw, over load and width, in which share of speeds, depths and clearances A falls."""
+    """Draw the share of speeds, depths and clearances in which A falls, over load and width."""
     figure = new_figure(
         'Map. Share of speeds, depths and clearances in which all four stated trends hold',
         width=12.0,

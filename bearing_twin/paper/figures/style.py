@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 COLOURS = ('#1f5fa8', '#c8502d', '#3b8a4e', '#7a4fa3')
-"""Blue, red, green, violet: told apart in print and by most colour-blind readers."""
+"""Blue, red, green, violet: distinct in print and for most colour-blind readers."""
 TEMPERATURE_LABEL = 'temperature T / °C'
 _GRID = '#d9d9d9'
 _DPI = 130

@@ -29,7 +29,7 @@ _COLUMNS = 900
 def _outline(
     time: npt.NDArray[np.float64], values: npt.NDArray[np.float32]
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float32]]:
-    """Keep the least and greatest sample of each column of the picture."""
+    """Keep the smallest and largest sample of each column of the picture."""
     size = len(values) // _COLUMNS
     rows = values[: size * _COLUMNS].reshape(_COLUMNS, size)
     both = np.stack([rows.min(axis=1), rows.max(axis=1)], axis=1).ravel()
@@ -37,12 +37,12 @@ def _outline(
 
 
 def waterfall(study: Study, *, number: int, factor: settings.Factor) -> Figure:
-    """Draw the time signals at the ten temperatures, the four peak times and what they do."""
+    """Draw the time signals at ten temperatures, and the change of the peaks at four times."""
     figure = new_figure(
         f'Figure {number}. Time-domain waterfall: {settings.FACTOR_TEXT[factor]}',
         width=13.0,
         height=8.6,
-        automatic=False,  # it would leave half of a 3-D panel empty
+        automatic=False,  # an automatic layout leaves half of a 3-D panel empty
     )
     for column, name in enumerate(settings.PRESET_NAMES):
         _signals(figure, study, name, factor, left=0.475 * column)
@@ -56,7 +56,7 @@ def _signals(
 ) -> None:
     """Draw the waterfall of one preset, with a line through the peaks at each peak time."""
     axes: Any = figure.add_axes((left, 0.33, 0.475, 0.6), projection='3d')
-    # The axis label of the picture on the left lies under the page of this one.
+    # A background would hide the axis label of the panel on the left.
     axes.patch.set_visible(False)
     nodes = settings.TEMPERATURE_NODES
     points = study.trends[name, factor]
@@ -93,7 +93,7 @@ def _signals(
 
 
 def _ratios(axes: Axes, study: Study, name: str, factor: settings.Factor) -> None:
-    """Draw the four peaks and the amplitude over those at 20 degC: 10 % fill the panel."""
+    """Draw the change of the four peaks and of the amplitude from 20 degC on, %."""
     nodes = settings.TEMPERATURE_NODES
     heights = np.array([point.peak_heights for point in study.trends[name, factor]])
     for k, instant in enumerate(settings.PEAK_TIMES):
