@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Ball and cage: impacts, or a ripple, once a turn of the cage."""
+"""Rules on ball and cage: impacts, or a ripple, once a turn of the cage."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ def ball_ripple(e: Evidence) -> Verdict | None:
 @rule('ball', 'Impacts in groups, once a cage turn, keep the time of a ball within each group.')
 def ball_passages(e: Evidence) -> Verdict | None:
     ball = e.candidates['ball']
-    # Both are more than a load does to the noise of sound parts. Impacts elsewhere have both a
-    # kurtosis and lines near the harmonics of the ball.
+    # A load does not raise the kurtosis of healthy parts, or their cyclic spectrum, as much.
+    # Impacts elsewhere may raise both.
     bursts = not e.remaining and e.kurtosis > KURTOSIS and not e.strikes_elsewhere
-    # Lines that are narrow enough for a comb keep their phase, those of waves as well.
+    # Lines narrow enough for a comb keep their phase: those of waviness do so as well.
     wide = ball.z < Z_FAULT and (bursts or _cage_or_ball(e))
     if not wide or e.ball_passages < Z_PASSAGES:
         return None
@@ -64,7 +64,7 @@ def cage_ripple(e: Evidence) -> Verdict | None:
     if not _cage_or_ball(e):
         return None
     first, _ = e.ball_or_cage
-    # Within a factor 2 in power neither is nearer.
+    # Within a factor 2 in power neither is likelier.
     clear = not 1.0 / RIVAL**2 <= e.cage_high_harmonics / RIPPLE <= RIVAL**2
     text = (
         'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
@@ -99,10 +99,10 @@ def weak_cage(e: Evidence) -> Verdict | None:
 
 def _cage_or_ball(e: Evidence) -> bool:
     """
-    Whether the cage leads, and a ball in and out of the load may be what it shows.
+    Return whether the cage leads, but a ball in and out of the load may make its comb.
 
-    An impact has every harmonic, the outer race's order exactly among them. What shows the ball's
-    order better than that is the ripple of such a ball.
+    An impact has every harmonic, exactly one at the outer race's order. A comb that is clearer at
+    the ball's order is the ripple of such a ball.
     """
     outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
     few_harmonics = outer.z < max(ball.z, Z_FAULT)

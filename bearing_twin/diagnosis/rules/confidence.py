@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Confidence: how often an answer that rests on such evidence was right on simulated machines."""
+"""Confidence: share of right answers with such evidence on simulated machines."""
 
 from __future__ import annotations
 
@@ -29,9 +29,8 @@ CLAIMS = {
     'elsewhere': 'that something strikes, not which part',
     'healthy': 'that no part is damaged',
 }
-"""Kinds of answers that have a confidence, and what its share of right answers is about:
-``'fault'`` stands for every named fault, ``'elsewhere'`` for impacts at an order of no part of the
-bearing."""
+"""Kinds of answers with a confidence, and the claim that is right or wrong. ``'fault'`` is for
+every named fault, ``'elsewhere'`` for impacts at an order of no part of the bearing."""
 KINDS = tuple(CLAIMS)
 
 _SOUND = {
@@ -44,14 +43,14 @@ _SOUND = {
     'turns': -0.1047,
     'unsteady': -0.0436,
 }
-"""Weights of the terms in the log odds that a bearing without a statement is sound. Rules ask for
-them, so they stay as they are where the confidence is fitted anew."""
+"""Weights of the terms in the log odds that a bearing without a statement is healthy. Rules use
+them, so they are not fitted anew with the confidence."""
 
 
 @dataclass(frozen=True)
 class Trust:
     """
-    What the confidence of an answer rests on.
+    Basis of the confidence of an answer.
 
     >>> Trust(z=9.0, index=0.8).terms()['significance'] > Trust(z=6.0, index=0.8).terms()[
     ...     'significance'
@@ -60,39 +59,39 @@ class Trust:
     """
 
     z: float = 0.0
-    """Score of the comb that the answer is about; of the highest where it is about none."""
+    """Score of the comb that the answer is about; of the highest comb if it is about none."""
     index: float = 0.0
-    """Its modulation index."""
+    """Modulation index of that comb."""
     slip: float = 0.0
-    """Slip that it needs."""
+    """Slip that the comb needs."""
     elsewhere_z: float = 0.0
     """Score of the best comb at any order."""
     elsewhere_index: float = 0.0
     impacts: float = 0.0
-    """How far the second to fourth harmonic of the clearer of the two combs rise above noise, in
-    mean log score: 0 for a smooth modulation, which has a first harmonic only."""
+    """Mean log score over noise of the second to fourth harmonic of the clearer of the two combs:
+    0 for a smooth modulation, which has the first harmonic only."""
     others: float = 0.0
-    """Mean log score of the best combs of the other places: a spall marks one part of a bearing,
-    waves of its surfaces show at the orders of all."""
+    """Mean logarithm of the scores of the best combs of the other places: a spall marks one part
+    of a bearing, waviness shows at the orders of all parts."""
     turns: float = HEALTHY_TURNS
-    """Shaft turns."""
+    """Number of shaft turns."""
     steady: bool = True
     """Whether the shaft speed is known well enough to compare slips."""
     rule: str = ''
-    """Rule that answered: two rules of one answer are not right equally often."""
+    """Rule that decided: rules with the same answer are not equally reliable."""
     at_most: float = 1.0
-    """Confidence that its answers cannot pass."""
+    """Highest confidence of its answers."""
 
     @classmethod
     def on(
         cls, e: Evidence, comb: Candidate | None, candidates: dict[str, Candidate], **known: Any
     ) -> Trust:
         """
-        Return what an answer about a comb, or about none, rests on, beside those of places.
+        Return the basis of an answer about a comb, or none; ``candidates`` are the places' combs.
 
-        Other fields are ``known``.
+        ``known`` are other fields.
         """
-        # The comb is one at any order itself, also where it lies on a multiple of the shaft.
+        # The comb itself counts at any order, also on a multiple of the shaft.
         strongest = max(e.elsewhere, comb or e.elsewhere, key=lambda c: c.z)
         z, index, slip = (comb.z, comb.index, comb.slip) if comb else (0.0, 0.0, 0.0)
         impacts = e.impacts.get(strongest.place, 0.0)
@@ -105,11 +104,11 @@ class Trust:
 
     @property
     def sound(self) -> float:
-        """Log odds, by which rules decide, that a bearing without a statement is sound."""
+        """Log odds that a bearing without a statement is healthy; rules use them."""
         return self.terms()['sound']
 
     def terms(self) -> dict[str, float]:
-        """Terms of the logistic model, by name; that of the rule has the name of the rule."""
+        """Return the terms of the logistic model by name; that of the rule has the rule's name."""
         significance = math.log(max(self.z, 1.0))
         elsewhere = math.log(max(self.elsewhere_z, 1.0))
         terms = {
@@ -130,7 +129,7 @@ class Trust:
 
 def kind_of(result: str, level: str, faults: Sequence[str], rule: str) -> str:
     """
-    Kind of an answer, one of :data:`KINDS`; '' of one that makes no statement.
+    Return the kind of an answer, one of :data:`KINDS`; '' if it makes no statement.
 
     Parameters
     ----------
@@ -148,10 +147,10 @@ def kind_of(result: str, level: str, faults: Sequence[str], rule: str) -> str:
     if result == 'insufficient':
         return ''
     if result in PLACES:
-        # A place that is named without an alarm has the trust of a suspicion.
+        # A named place without an alarm has the confidence of a suspicion.
         return 'suspect' if level == 'suspect' else 'fault'
     if result == 'suspect' and (not faults or rule == 'extraneous'):
-        # The lines at a fault order are said to be of something else.
+        # The answer says that something else makes the lines at a fault order.
         return 'elsewhere'
     return result
 
@@ -159,7 +158,7 @@ def kind_of(result: str, level: str, faults: Sequence[str], rule: str) -> str:
 @functools.cache
 def shipped_weights() -> dict[str, dict[str, float]]:
     """
-    Weights of the terms for each kind of answer, as :mod:`bearing_twin.studies.reliability` fits.
+    Return the weights by kind of answer, from :mod:`bearing_twin.studies.reliability`.
 
     >>> sorted(shipped_weights()) == sorted(KINDS)
     True
@@ -172,21 +171,21 @@ def shipped_weights() -> dict[str, dict[str, float]]:
 
 def confidence(kind: str, trust: Trust) -> float:
     """
-    Share of right answers among simulated ones of the same kind with such evidence.
+    Return the share of right answers of a kind with such evidence on simulated machines.
 
-    Right is: a named fault that is there, and no other; an ambiguous answer that names the fault
-    among others; suspect where the bearing is damaged, at whichever place; impacts elsewhere where
-    something strikes; healthy where there is no fault, however small. The machines are drawn at
-    random, as many healthy as damaged ones, some with another bearing or speed than the diagnosis
-    is given (``python -m bearing_twin.studies.reliability``). The share on your machines is
-    another one as their faults are larger or smaller.
+    A named fault is right if it is there and no other; an ambiguous answer, if it names the fault
+    among others; *suspect*, if any part of the bearing is damaged; impacts elsewhere, if something
+    strikes; *healthy*, if there is no fault, however small. Half of the machines are healthy. They
+    are drawn at random, some with another bearing or speed than the diagnosis is given (``python
+    -m bearing_twin.studies.reliability``). The share on your machines differs with the size of
+    their faults.
 
     Parameters
     ----------
     kind
         One of :data:`KINDS`.
     trust
-        What the answer rests on.
+        Basis of the confidence.
 
     Returns
     -------

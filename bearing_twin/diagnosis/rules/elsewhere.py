@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Other causes: lines that something else makes than a fault of this bearing."""
+"""Rules on other causes: lines that no fault of this bearing makes."""
 
 from __future__ import annotations
 
@@ -119,7 +119,8 @@ def extraneous(e: Evidence) -> Verdict | None:
 
 @rule('suspect', 'Sound parts, blades and vanes modulate smoothly; impacts have all harmonics.')
 def smooth(e: Evidence) -> Verdict | None:
-    # What has the sidebands of its place is no blade; these and lobes pass at whole or half turns.
+    # A comb with the sidebands of its place is not of blades. Blades and lobes pass a whole number
+    # of times in one or two turns.
     place, sways = e.leading.place, e.leading.shaft_sideband_ratio >= SWAY
     sided = place == 'ball' or (not e.half_turn and sways == (place == 'inner'))
     if sided or not e.smooth or e.leading.index > INDEX_SMOOTH:
@@ -133,7 +134,7 @@ def smooth(e: Evidence) -> Verdict | None:
 
 @rule('ambiguous', 'What strikes a whole number of times a turn may be a part of the shaft.')
 def whole_turns(e: Evidence) -> Verdict | None:
-    # A name at an unlikely slip is no alarm and asks for the speed itself.
+    # A place at an unlikely slip is no alarm, and its reasons ask for the speed.
     if e.leading.slip > UNLIKELY_SLIP or not e.whole_turns:
         return None
     text = (
@@ -156,7 +157,7 @@ def another_cage(e: Evidence) -> Verdict | None:
 
 
 def _elsewhere(e: Evidence, what: str) -> Verdict:
-    """Verdict on impacts that no part of the bearing makes, with what would explain them."""
+    """Return a verdict on impacts at an order of no part of the bearing, with explanations."""
     comb, outer = e.elsewhere, e.candidates['outer']
     if abs(comb.order - outer.order) <= 2.0 * e.step:
         return say(e, _rings_low(e), about=outer)

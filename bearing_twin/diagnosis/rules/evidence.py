@@ -1,21 +1,21 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Evidence: the named quantities that the rules of the diagnosis rest on.
+Evidence: the named quantities that the rules of the diagnosis use.
 
-Lists of combs, each from the one before. A rule on a comb that leads asks `leading` and what is
-beside it; one on what is heard at all asks `heard` or `faint`.
+Lists of combs, each from the previous one. A rule about the leading comb uses `leading` and the
+combs beside it. A rule about weak combs uses `heard` or `faint`.
 
 ==================  ==============================================================================
 `candidates`        best comb of each place, however weak
-`significant`       those that are not chance, not too weak for a remark, and not of sound parts
-`own`               those that neither the shaft nor an extraneous series explains
+`significant`       combs that are not chance, not too weak to report, and not of healthy parts
+`own`               those of `significant` that neither shaft nor extraneous series explain
 `claims.kept`       of `significant`, one for each range of orders that two places share
-`load_zone.kept`    of these races and balls, those that are no shaft sideband of the inner race
-`remaining`         the same; `significant` where none is its own
-`nameable`          of these, those that are in `own`
-`leading`           the one that explains most; `same_lines` explain as much
-`others`            of `nameable`, what is still a comb without the lines of `leading`
+`load_zone.kept`    races and balls of these that are no shaft sidebands of the inner race
+`remaining`         the same; `significant` if `own` is empty
+`nameable`          those of `remaining` that are in `own`
+`leading`           the comb that explains most; `same_lines` explain as much
+`others`            those of `nameable` that remain combs without the lines of `leading`
 ==================  ==============================================================================
 """
 
@@ -60,11 +60,11 @@ if TYPE_CHECKING:
 _T = TypeVar('_T')
 
 _UNDISTURBED: dict[str, Any] = {}
-"""Quantities where nothing disturbs the combs, by name."""
+"""Values of the quantities if nothing disturbs the combs, by name."""
 
 
 def _measured(*, undisturbed: Any) -> Callable[[Callable[[Evidence], _T]], cached_property[_T]]:
-    """Quantity that is computed once, and its value where nothing disturbs the combs."""
+    """Mark a quantity as computed once, with its value if nothing disturbs the combs."""
 
     def mark(compute: Callable[[Evidence], _T]) -> cached_property[_T]:
         _UNDISTURBED[compute.__name__] = undisturbed
@@ -76,7 +76,7 @@ def _measured(*, undisturbed: Any) -> Callable[[Callable[[Evidence], _T]], cache
 def _of_leading(
     part: str, measure: Callable[[Any, Candidate], _T], *, undisturbed: Any
 ) -> cached_property[_T]:
-    """Quantity of the leading comb, as one part of the search measures and describes it."""
+    """Return a quantity of the leading comb that one part of the search measures."""
 
     @wraps(measure)
     def quantity(e: Evidence) -> _T:
@@ -87,7 +87,7 @@ def _of_leading(
 
 class Evidence:
     """
-    Named quantities of a window, or of the mean of several, each computed once.
+    Named quantities of a window, or of the mean of several windows, each computed once.
 
     A quantity is computed when a rule first asks for it.
 
@@ -96,15 +96,15 @@ class Evidence:
     combs
         Search in the envelope spectra.
     turns
-        Shaft turns in all windows together.
+        Number of shaft turns in all windows together.
     steps
-        RMS of the newest window's samples in steps of the converter.
+        RMS of the samples of the newest window, in steps of the converter.
     kurtosis
-        Finds that of its samples without single shocks, and without lines.
+        Returns the kurtosis of its samples without single shocks and lines.
     low_lines
-        Finds the share of the power at low multiples of the outer race that is in its lines.
+        Returns the share of the power at low multiples of the outer race that is in its lines.
     ball_passages
-        Finds the significance of a ball that strikes in groups.
+        Returns the significance of ball impacts in groups.
 
     """
 
@@ -127,17 +127,17 @@ class Evidence:
     @classmethod
     def of(cls, *candidates: Candidate, turns: float = 200.0, **quantities: Any) -> Evidence:
         """
-        Evidence by hand, to ask a rule without a signal.
+        Return evidence with given quantities, to apply rules without a signal.
 
         Parameters
         ----------
         candidates
-            Best combs of some places; the others have none.
+            Best combs of some places; other places have none.
         turns
             Shaft turns.
         quantities
-            Any other quantity, by its name. What is not given and does not follow from the others
-            is that of combs that nothing disturbs.
+            Other quantities, by name. Each one that is not given and does not follow from others
+            has its value for undisturbed combs.
 
         >>> from bearing_twin.diagnosis.combs.candidate import Candidate
         >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
@@ -183,7 +183,7 @@ class Evidence:
 
     @cached_property
     def cage_turns(self) -> float:
-        """Turns of the cage in a window: averaging windows does not part its lines."""
+        """Cage turns in one window: averaging windows does not improve the resolution."""
         return self._combs.expected.without_slip.ftf / self.step
 
     @_measured(undisturbed=True)
@@ -198,13 +198,13 @@ class Evidence:
 
     @cached_property
     def significant(self) -> tuple[Candidate, ...]:
-        """Combs that are neither chance nor too weak for a remark, nor of sound parts."""
+        """Combs that are neither chance, nor too weak to report, nor of healthy parts."""
         found = (c for c in self.candidates.values() if c.significant)
         return tuple(c for c in found if c.place not in self.sound) or self.on_second_look
 
     @_measured(undisturbed=frozenset())
     def sound(self) -> frozenset[str]:
-        """Places whose comb is a smooth modulation that sound parts and noise make together."""
+        """Places whose comb is a smooth modulation by healthy parts and noise."""
         most = math.hypot(INDEX_SOUND, INDEX_NOISE * math.sqrt(INDEX_NOISE_TURNS / self.turns))
         shown = (c for c in self.candidates.values() if c.significant)
         return frozenset(c.place for c in shown if self._harmonics.sound(c, most))
@@ -212,9 +212,9 @@ class Evidence:
     @_measured(undisturbed=())
     def on_second_look(self) -> tuple[Candidate, ...]:
         """
-        Combs of races and balls that are significant where their own lines are not in the null.
+        Combs of races and balls that are significant against a null without their own lines.
 
-        Used where nothing else is significant: to rank combs it would make mistakes.
+        They are used only if nothing else is significant: to rank combs they are unreliable.
         """
         strong = (
             c
@@ -225,16 +225,17 @@ class Evidence:
 
     @_measured(undisturbed=0.0)
     def outer_index(self) -> float:
-        """Modulation index of the outer race's comb, low bands and all."""
+        """Modulation index of the outer race's comb in all bands, also low ones."""
         return self._combs.index_in_all_bands(self.candidates['outer'])
 
     @cached_property
     def heard(self) -> tuple[Candidate, ...]:
         """
-        Combs of all places with the index of the band in which each is highest.
+        Combs of all places, each with its highest index over all bands.
 
-        Below ``CARRIER`` the outer race's is no evidence of a fault, as the variable compliance of
-        sound bearings shows there, and none of health, as a fault may ring there.
+        In bands below ``CARRIER`` the outer race's comb is no evidence of a fault, because the
+        variable compliance of healthy bearings shows there. It is no evidence of health either,
+        because a fault may ring there.
         """
         outer = self.candidates['outer']
         outer = replace(outer, index=max(outer.index, self.outer_index))
@@ -243,9 +244,9 @@ class Evidence:
     @cached_property
     def faint(self) -> tuple[Candidate, ...]:
         """
-        Combs of races and balls that are not chance and modulate by more than noise does.
+        Combs of races and balls that are not chance and have a larger index than noise.
 
-        What noise modulates falls with the root of the time. That of an outer race may be in low
+        The index of noise falls with the root of the time. The comb of an outer race may be in low
         bands: beside another place it is not the variable compliance alone.
         """
         noise = INDEX_NOISE * math.sqrt(min(INDEX_NOISE_TURNS / self.turns, 1.0))
@@ -255,13 +256,13 @@ class Evidence:
 
     @_measured(undisturbed={})
     def extraneous_orders(self) -> Mapping[str, float]:
-        """Order of the harmonic series that the comb of a place merely shares lines with."""
+        """Order of the extraneous series that shares lines with the comb of a place."""
         orders = {c.place: self._harmonics.extraneous_order(c) for c in self.significant}
         return {place: order for place, order in orders.items() if order}
 
     @_measured(undisturbed=frozenset())
     def masked_by_shaft(self) -> frozenset[str]:
-        """Places whose comb may be a multiple of the shaft, no higher than the others."""
+        """Places whose comb may be a multiple of the shaft, no higher than other multiples."""
         return frozenset(c.place for c in self.significant if self._harmonics.masked_by_shaft(c))
 
     @cached_property
@@ -276,9 +277,9 @@ class Evidence:
     @cached_property
     def claims(self) -> Claims:
         """
-        Give a comb that lies in the ranges of two places to one of them.
+        Combs, after each comb in the ranges of two places has been assigned to one of them.
 
-        That is the place whose sidebands it has; where they do not tell, the one of the likelier
+        It is the place that the sidebands fit; if they fit neither, the place of the likelier
         slip.
         """
         left, contested = list(self.significant), []
@@ -291,8 +292,7 @@ class Evidence:
                     continue
                 owner = self._sidebands.sideband_owner(other, c)
                 left.remove(other if owner is c else c)
-                # Sidebands alone do not make up for twice the slip that costs one standard
-                # deviation.
+                # Sidebands alone do not outweigh twice the slip that costs one standard deviation.
                 unlikely = abs(c.slip) - abs(other.slip) > 2.0 * SLIP_COST
                 if (unlikely and owner is c) or (owner is None and c.z * RIVAL > other.z):
                     contested.append((other, c))
@@ -305,10 +305,10 @@ class Evidence:
     @cached_property
     def cage_leads(self) -> bool:
         """
-        Whether the cage is behind all that shows.
+        Whether the cage explains all combs.
 
-        Every other comb is then weak, or weaker than the cage's and on its harmonics: an impact
-        once a cage turn has harmonics everywhere, one at the outer race's order among them.
+        Every other comb is then weak, or weaker than the cage's comb and on its harmonics. An
+        impact once a cage turn has all harmonics; one is at the outer race's order.
         """
         cage = self.candidates['cage']
         return (
@@ -328,26 +328,26 @@ class Evidence:
     @cached_property
     def ball_or_cage(self) -> tuple[str, str]:
         """
-        Ball and cage, the likelier first, where the envelope follows the cage.
+        Ball and cage, the likelier place first, for an envelope that follows the cage.
 
-        A ball in and out of the load ripples the envelope as wide as the load zone is. A cage
-        strikes more briefly.
+        A ball in and out of the load makes a ripple as wide as the load zone. A cage strikes more
+        briefly.
         """
         return ('ball', 'cage') if self.cage_high_harmonics < RIPPLE else ('cage', 'ball')
 
     @_measured(undisturbed=0.0)
     def cage_high_harmonics(self) -> float:
-        """Power of the cage's fifth to eighth harmonic over that of its first four."""
+        """Power of the fifth to eighth harmonic of the cage's comb over that of the first four."""
         return self._harmonics.high_harmonics_ratio(self.candidates['cage'])
 
     @_measured(undisturbed={})
     def shaft_sideband_ratios(self) -> Mapping[str, float]:
-        """Mean amplitude of the shaft sidebands of a comb over that of its harmonics."""
+        """Mean amplitude of the shaft sidebands of each comb over that of its harmonics."""
         return {c.place: self._sidebands.shaft_sideband_ratio(c) for c in self._races_and_balls}
 
     @_measured(undisturbed={})
     def inner_race_ratios(self) -> Mapping[str, float]:
-        """Amplitude of the inner race's comb over that of a comb that may be its sideband."""
+        """Amplitude of the inner race's comb over that of each comb that may be its sideband."""
         return {
             c.place: ratio
             for c in self._races_and_balls
@@ -358,7 +358,7 @@ class Evidence:
 
     @cached_property
     def load_zone(self) -> LoadZone:
-        """Remove the combs that are shaft sidebands of the inner race."""
+        """Combs without those that are shaft sidebands of the inner race."""
         left = list(self._races_and_balls)
         for c in self._races_and_balls:
             ratio = self.inner_race_ratios.get(c.place)
@@ -372,21 +372,21 @@ class Evidence:
 
     @cached_property
     def remaining(self) -> tuple[Candidate, ...]:
-        """Combs of races and balls that are left; all significant ones where none is its own."""
+        """Combs of races and balls that are left; all significant ones if `own` is empty."""
         return self.load_zone.kept if self.own else self.significant
 
     @cached_property
     def nameable(self) -> tuple[Candidate, ...]:
-        """Those of them that nothing else of the machine explains."""
+        """Remaining combs that nothing else of the machine explains."""
         return tuple(c for c in self.remaining if c in self.own)
 
     @_measured(undisturbed=())
     def masked_candidates(self) -> tuple[Candidate, ...]:
         """
-        Combs of races and balls that show, but coincide with harmonics of the shaft.
+        Significant combs of races and balls that coincide with harmonics of the shaft.
 
-        The highest comes first. Multiples of the shaft have multiples in common: combs that are
-        clearly lower share its lines.
+        The highest one is first. Clearly lower ones are left out: multiples of the shaft have
+        common multiples, so they share lines of the highest.
         """
         found = filter(None, map(self._combs.masked_candidate, PLACES[:3]))
         highest, *others = sorted(found, key=lambda c: -c.z) or (None,)
@@ -396,12 +396,12 @@ class Evidence:
 
     @cached_property
     def leading(self) -> Candidate:
-        """Return the comb that explains most; where none can be named, the strongest."""
+        """Comb that explains most; if none can be named, the strongest."""
         return self._leading_and_rivals[0]
 
     @cached_property
     def same_lines(self) -> tuple[Candidate, ...]:
-        """Combs that explain the lines of the leading one as well as it explains theirs."""
+        """Combs that explain the lines of the leading comb as well as it explains theirs."""
         return self._leading_and_rivals[1]
 
     @cached_property
@@ -432,12 +432,12 @@ class Evidence:
         return leading, tuple(rivals)
 
     def explains(self, cause: Candidate, other: Candidate) -> bool:
-        """Whether nothing significant is left of a comb without the lines of another fault."""
+        """Return whether a comb is not significant without the lines of another fault."""
         return (cause.place, other.place) in self.explained
 
     @_measured(undisturbed=frozenset())
     def explained(self) -> frozenset[tuple[str, str]]:
-        """Pairs of (cause, other) places: nothing is left of the other without the cause."""
+        """Pairs of places (cause, other): the lines of the cause explain the other comb."""
         return frozenset(
             (place, other.place)
             for place, rest in self._rests.items()
@@ -447,7 +447,7 @@ class Evidence:
 
     @cached_property
     def _rests(self) -> dict[str, OrderSpectra]:
-        """Spectra without the lines that each place explains, where there are several."""
+        """Spectra without the lines that each place explains, if several places can be named."""
         if len(self.nameable) < 2:
             return {}
         return {cause.place: self._combs.without(cause) for cause in self.nameable}
@@ -466,26 +466,26 @@ class Evidence:
 
     @_measured(undisturbed=0.4)
     def cage_sideband_ratio(self) -> float:
-        """Sidebands of the cage over the harmonics of a leading ball."""
+        """Ratio of the cage sidebands to the harmonics of the leading comb, if it is a ball's."""
         return self._sidebands.cage_sideband(self.leading)[1]
 
     @_measured(undisturbed=0.3)
     def turning_sideband_ratio(self) -> float:
         """
-        Sidebands over the harmonics of the leading comb, at about one turn of the shaft.
+        Ratio of the sidebands near the shaft order to the harmonics of the leading comb.
 
-        The given shaft speed may be wrong.
+        The range allows for a wrong given speed.
         """
         return self._sidebands.turning_sideband(self.leading)[1]
 
     @_measured(undisturbed=Candidate('elsewhere', 1.5, 0.0, 0.0, 0.0))
     def elsewhere(self) -> Candidate:
-        """Best comb at any order off the multiples of the shaft, whatever makes it."""
+        """Best comb at any order off the multiples of the shaft."""
         return self._combs.strongest_anywhere(beyond=not self.remaining)
 
     @_measured(undisturbed=None)
     def each_turn(self) -> Candidate | None:
-        """Impacts in time with the shaft, deeper than any load modulates; None of none."""
+        """Comb of impacts in time with the shaft, with an index above any load's, or None."""
         comb = self._combs.deepest_whole()
         if comb is None or comb.index <= INDEX_SMOOTH:
             return None
@@ -493,23 +493,23 @@ class Evidence:
 
     @_measured(undisturbed=False)
     def elsewhere_sways(self) -> bool:
-        """Whether that comb has sidebands of the shaft, as of a part that turns."""
+        """Whether the comb `elsewhere` has shaft sidebands, as a rotating part has."""
         return self._sidebands.shaft_sideband_ratio(self.elsewhere) >= SWAY
 
     @_measured(undisturbed={'elsewhere': 2.0})
     def impacts(self) -> Mapping[str, float]:
         """
-        Height over noise of the second to fourth harmonic of each comb, mean log score.
+        Height over noise of the second to fourth harmonic of each comb, as mean log score.
 
-        Parts without damage modulate the noise smoothly, by 1 + a cos: the second harmonic has
-        a/4 of the height of the first, the others nothing. Impacts, however faint, have all.
+        Healthy parts modulate the noise smoothly, by 1 + a cos: the second harmonic has a/4 of the
+        height of the first, and there are no others. Impacts have all harmonics, however faint.
         """
         combs = (*self.candidates.values(), self.elsewhere)
         return {c.place: self._harmonics.impacts(c) for c in combs}
 
     @property
     def strikes_elsewhere(self) -> bool:
-        """Whether strong impacts repeat at an order off the shaft, whatever makes them."""
+        """Whether the comb `elsewhere` is of strong impacts."""
         comb = self.elsewhere
         strong = comb.z >= Z_ELSEWHERE and comb.index >= INDEX_FAULT
         return strong and self.impacts['elsewhere'] >= IMPACTS
@@ -521,7 +521,7 @@ class Evidence:
 
     @_measured(undisturbed=0.0)
     def ball_passages(self) -> float:
-        """Significance of a ball that strikes in groups in the newest window."""
+        """Significance of ball impacts in groups in the newest window."""
         return self._ball_passages()
 
     @_measured(undisturbed=0.0)
@@ -531,7 +531,7 @@ class Evidence:
 
     @_measured(undisturbed=frozenset())
     def loose(self) -> frozenset[str]:
-        """Places whose comb may be of strikes once a turn: the other turns show as high."""
+        """Places whose comb may be of strikes once a turn: its shaft sidebands are as high."""
         found = (c for c in self._races_and_balls if self._sidebands.alike(c))
         return frozenset(c.place for c in found if self._harmonics.whole_turns(c))
 
@@ -541,9 +541,9 @@ class Evidence:
 
     @_measured(undisturbed=False)
     def elsewhere_explains(self) -> bool:
-        """Whether a more significant comb at another order makes the lines of the leading one."""
+        """Whether a more significant comb at another order explains the leading one."""
         comb, leading = self.elsewhere, self.leading
-        # The outer race's own, in bands of the variable compliance, is a comb of the bearing.
+        # The outer race's comb in bands of the variable compliance belongs to the bearing.
         if abs(comb.order - self.candidates['outer'].order) <= 2.0 * self.step:
             return False
         ratio = leading.order / comb.order
@@ -554,7 +554,7 @@ class Evidence:
             return False
         if comb.index < INDEX_FAULT or comb.z <= leading.z:
             return False
-        # A comb an order beside the leading one, and lower, may be made of its shaft sidebands.
+        # A lower comb one order beside the leading one may consist of its shaft sidebands.
         sideband = (
             comb.index < leading.index and self._combs.score_without(leading, comb.order) < Z_FAULT
         )
@@ -565,23 +565,24 @@ class Evidence:
     @_measured(undisturbed=None)
     def other_race(self) -> Candidate | None:
         """
-        Comb of the other race where the leading one is a race, and one cage makes both.
+        Comb of the other race, if the leading comb is a race's and one cage fits both.
 
-        Of n balls n f pass a place of the outer race in a turn of the shaft, and n (1 - f) one of
-        the inner, with f turns of the cage: the orders add up to n at any slip and contact angle.
+        With n balls and f cage turns per shaft turn, n f balls pass a point of the outer race and
+        n (1 - f) a point of the inner race: the two orders add up to n at any slip and contact
+        angle.
         """
         if self.leading.place not in RACES:
             return None
         [other] = (self.candidates[place] for place in RACES if place != self.leading.place)
         order = self.bearing.n_balls - self.leading.order
-        # The orders of both are nearly as 2 to 3: a race has lines at multiples of the other's.
+        # The ratio of both orders is nearly 2 to 3: a race has lines at multiples of the other's.
         near = order + self.step * np.linspace(-1.0, 1.0, 5)
         score = self._combs.score_without(self.leading, *near)
         return replace(other, order=order) if score >= Z_SECOND_LOOK else None
 
     @_measured(undisturbed=())
     def others(self) -> tuple[Candidate, ...]:
-        """Combs of other faults beside the leading one, without the lines that it explains."""
+        """Combs of other faults in the spectra without the lines of the leading comb."""
         combs, leading = self._combs, self.leading
         rest, slips = self._rests.get(leading.place), combs.expected.joint_slips(leading)
         again = (combs.best(c.place, rest, slips) for c in self.nameable if c is not leading)
@@ -599,7 +600,7 @@ class Evidence:
 
     @cached_property
     def certain(self) -> tuple[Candidate, ...]:
-        """Other combs that are faults of their own."""
+        """Other combs that are separate faults."""
         return tuple(c for c in self.others if c.index >= INDEX_FAULT and self.speed_known)
 
     @cached_property
@@ -609,23 +610,23 @@ class Evidence:
 
     @property
     def alarms(self) -> tuple[Candidate, ...]:
-        """The leading comb and those of other faults, where strong enough for an alarm."""
+        """The leading comb and those of other faults that are strong enough for an alarm."""
         return tuple(c for c in (self.leading, *self.certain) if c.index >= INDEX_FAULT)
 
     @cached_property
     def in_order(self) -> tuple[Candidate, ...]:
-        """The leading comb, those of other faults, then those that are none for certain."""
+        """The leading comb, then the certain other faults, then the uncertain ones."""
         unsure = (c for c in self.others if c not in self.certain)
         return (self.leading, *self.certain, *unsure)
 
     @property
     def told_apart(self) -> dict[str, Candidate]:
-        """Candidates; those beside the leading one without the lines that it explains."""
+        """Candidates; other faults are measured without the lines of the leading comb."""
         return self.candidates | {c.place: c for c in self.in_order}
 
 
 def _on_harmonics(order: float, cage_order: float, step: float) -> bool:
-    """Whether at least every second harmonic of a comb lies on a multiple of the cage's order."""
+    """Return whether every second harmonic of a comb, or all, lie on multiples of the cage."""
     multiple = round(2.0 * order / cage_order)
     away = abs(2.0 * order - multiple * cage_order)
     return away <= (4.0 + 0.25 * multiple) * step

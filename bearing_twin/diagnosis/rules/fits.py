@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What would explain impacts that no part of a bearing makes: another bearing, another speed."""
+"""Bearings and speeds that would explain impacts at an order of no part of the bearing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 _SLIPS = (SLIP[0], 0.015)
-"""Slips of a loaded cage, from the least that a contact angle makes of it."""
+"""Range of slip of a loaded cage; negative slip is the effect of a contact angle."""
 
 _MOST = 4
 _REACH = 0.1
@@ -26,7 +26,7 @@ _REACH = 0.1
 
 @functools.cache
 def _orders() -> NDArray[np.float64]:
-    """Orders of the races and balls of the catalogue at either slip, ascending, (B, 3, 2)."""
+    """Return the orders of all races and balls of the catalogue at both slips, (B, 3, 2)."""
     orders = [
         [[fault_orders(b, slip).impacts(place) for slip in _SLIPS] for place in PLACES[:3]]
         for b in catalogue().values()
@@ -36,10 +36,10 @@ def _orders() -> NDArray[np.float64]:
 
 def striking_parts(order: float, step: float) -> list[tuple[Bearing, str]]:
     """
-    Bearings of the catalogue with a race or a ball that strikes at an order, and which it is.
+    Return the bearings of the catalogue with a part that strikes at an order, and that part.
 
-    A loaded cage slips by up to 1.5 %, and turns faster by as much where an axial load opens a
-    contact angle that the catalogue does not know of.
+    A loaded cage slips by up to 1.5 %. It turns faster by up to 1.5 % if an axial load opens a
+    contact angle that the catalogue does not contain.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def striking_parts(order: float, step: float) -> list[tuple[Bearing, str]]:
 
 def fitting_speeds(order: float, shaft_hz: float, bearing: Bearing) -> list[str]:
     """
-    Shaft speeds within 10 % at which impacts would be those of a part of the bearing.
+    Return shaft speeds within 10 % at which a part of the bearing would make the impacts.
 
     Parameters
     ----------
@@ -90,16 +90,16 @@ def what_fits(
     order: float, step: float, shaft_hz: float, bearing: Bearing, sways: bool = False
 ) -> str:
     """
-    Speeds and bearings that would explain impacts, to be added to a sentence.
+    Return the speeds and bearings that would explain impacts, as the end of a sentence.
 
     Parameters
     ----------
     order, step
-        Of the impacts, as in :func:`striking_parts`.
+        Order of the impacts and its uncertainty, as in :func:`striking_parts`.
     shaft_hz, bearing
         As in :func:`fitting_speeds`. Bearings of the size of the given one come first.
     sways
-        Whether the impacts have sidebands of the shaft: inner races come first, else the others.
+        Whether the impacts have shaft sidebands: inner races come first, else the others.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> what_fits(3.76, 0.001, 24.0, find_bearing('6205')).split(';')[1]

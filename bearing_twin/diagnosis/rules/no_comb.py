@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Nothing that can be named: whether the bearing is healthy, or not known to be."""
+"""Rules without a comb that can be named: whether the bearing is known to be healthy."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def mostly_damaged(e: Evidence) -> Verdict | None:
     comb = highest_comb(e.heard)
     if comb is None or comb.z < Z_FAULT or e.impacts.get(comb.place, 0.0) < IMPACTS:
         return None
-    # A factor 2 tells two claims apart, of odds as of power.
+    # Two claims are told apart from a factor 2 on, in odds as in power.
     if Trust.on(e, comb, e.candidates).sound >= -2.0 * math.log(RIVAL):
         return None
     text = (

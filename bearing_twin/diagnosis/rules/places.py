@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which place: a comb that leads is that of its place, of another one, or of either."""
+"""Rules on the place: the leading comb is of its place, of another one, or of either."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def shaft_sideband_dominated(e: Evidence) -> Verdict | None:
 
 @rule('suspect', 'A ball passes the load zone with the cage, so its comb has cage sidebands.')
 def ball_without_cage_sidebands(e: Evidence) -> Verdict | None:
-    # A short window resolves the sidebands badly: within 3 dB neither are the higher ones.
+    # A short window resolves the sidebands badly: within 3 dB they are equally high.
     least = max(SWAY, e.turning_sideband_ratio / (RIVAL if e.turns < HEALTHY_TURNS else 1.0))
     if e.leading.place != 'ball' or e.cage_sideband_ratio >= least:
         return None
@@ -139,7 +139,7 @@ def contested_comb(e: Evidence) -> Verdict | None:
 @rule('ambiguous', 'Without an exact speed lines of a second fault may be sidebands of the first.')
 def uncertain_second(e: Evidence) -> Verdict | None:
     doubtful = e.doubtful
-    # Beside a leading comb that is too weak for an alarm, the alarm is the other's.
+    # If the leading comb is too weak for an alarm, the other comb gives the alarm.
     named = e.leading.index >= INDEX_FAULT
     if not doubtful or (named and max(c.z for c in doubtful) * RIVAL <= e.leading.z):
         return None

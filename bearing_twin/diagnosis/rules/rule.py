@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a rule is: a function of the evidence, its answer, and what is asked about this."""
+"""Rule of the diagnosis: a function of the evidence, with its answer and properties."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     _Apply = Callable[[Evidence], Verdict | None]
 
 EVEN = 0.5
-"""Most that an answer is sure of where something sound explains the lines as well as a fault."""
+"""Highest confidence of an answer if a healthy cause explains the lines as well as a fault."""
 
 
 class Rule(NamedTuple):
@@ -25,20 +25,20 @@ class Rule(NamedTuple):
     answer: str
     why: str
     apply: Callable[[Evidence], Verdict | None]
-    """Verdict on the evidence; None where the rule does not apply."""
+    """Function that returns the verdict on the evidence; None if the rule does not apply."""
     faint: bool = False
-    """Whether a second look at parts of the record may change the answer. Set it where the rule
-    answers without an alarm although a weak comb is there."""
+    """Whether a second look at parts of the record may change the answer. Set it if the rule gives
+    no alarm although there is a weak comb."""
     nothing_shows: bool = False
-    """Whether the level of the record may go into the baseline although the answer is not healthy.
-    Set it where a window shows no fault, but cannot call the machine healthy."""
+    """Whether the vibration level may enter the baseline although the answer is not healthy. Set
+    it if the window shows no fault, but cannot call the machine healthy."""
     at_most: float = 1.0
-    """Confidence that its answers cannot pass."""
+    """Highest confidence of its answers."""
 
 
 def rule(answer: str, why: str, **marks: Any) -> Callable[[_Apply], Rule]:
     """
-    Make a function a rule, which has its name; ``marks`` are the other fields of :class:`Rule`.
+    Make a function a rule with its name; ``marks`` are the other fields of :class:`Rule`.
 
     >>> @rule('suspect', 'A comb is there.', faint=True)
     ... def anything(evidence):
@@ -52,7 +52,7 @@ def rule(answer: str, why: str, **marks: Any) -> Callable[[_Apply], Rule]:
 
 def where_no_comb_remains(*rules: Rule) -> list[Rule]:
     """
-    Return rules that apply only where no comb is left to lead: `Evidence.leading` is none there.
+    Return rules that apply only if no comb remains. `Evidence.leading` does not exist then.
 
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence

@@ -1,22 +1,22 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-From evidence to a verdict: the first rule of an ordered table that applies.
+Table of rules: the first rule that applies to the evidence gives the verdict.
 
-A rule is a function of the evidence that returns a verdict, or None where it does not apply. The
-rules stand by subject in ``cage.py``, ``elsewhere.py``, ``no_comb.py`` and ``places.py``. A new
-rule touches:
+A rule is a function of the evidence that returns a verdict, or None if it does not apply. The
+rules are, by subject, in ``cage.py``, ``elsewhere.py``, ``no_comb.py`` and ``places.py``. A new
+rule changes:
 
-- one of these files: the function, and what `Rule` asks about its answer;
+- one of these files: the function, and the other fields of its `Rule`;
 - this file: its place in the order;
-- ``evidence.py``: a property for each new quantity, with its value where nothing disturbs the
+- ``evidence.py``: a property for each new quantity, with its value if nothing disturbs the
   combs, and ``comb_harmonics.py`` or ``comb_sidebands.py`` of ``combs`` if the quantity has to be
   measured in the spectra;
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis_why.md``;
 - ``CASES`` in ``test/diagnosis/rules/test_rules.py``: evidence that reaches the rule;
 - the table of rules: ``python docs/rules.py docs/diagnosis.md``;
-- the share of right answers, where it changes many: ``studies.reliability``. Without it the rule
-  has no weight of its own: its answers are as sure as others of their kind.
+- the share of right answers, if it changes many: ``studies.reliability``. Without it the rule has
+  no weight of its own: its answers get the confidence of others of their kind.
 """
 
 from __future__ import annotations
@@ -81,10 +81,10 @@ RULES: tuple[Rule, ...] = (
     elsewhere.another_cage,
     places.fault,
 )
-"""All rules, in the order in which they are asked; the last always applies."""
+"""All rules in their order; the last one always applies."""
 
 DOUBTED = 0.85
-"""Most that an answer is sure of at an unlikely slip: of 35 such answers on simulated machines 34
+"""Highest confidence of an answer at an unlikely slip: 34 of 35 such answers on simulated machines
 were right, and 0.85 is the lower end of the 95 % interval of their share (Wilson)."""
 
 FAINT = frozenset(rule.name for rule in RULES if rule.faint)
@@ -93,7 +93,7 @@ NOTHING_SHOWS = frozenset(rule.name for rule in RULES if rule.nothing_shows)
 
 def decide(evidence: Evidence) -> Verdict:
     """
-    Verdict of the first rule that applies.
+    Return the verdict of the first rule that applies, with the basis of its confidence.
 
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
@@ -109,7 +109,7 @@ def decide(evidence: Evidence) -> Verdict:
 
 def answer(evidence: Evidence) -> Verdict:
     """
-    Verdict of the first rule that applies, without what its confidence rests on.
+    Return the verdict of the first rule that applies, without the basis of its confidence.
 
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
@@ -136,7 +136,7 @@ def answer(evidence: Evidence) -> Verdict:
 
 def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     """
-    Return an answer with what its confidence rests on; it is capped at an unlikely slip.
+    Return a verdict with the basis of its confidence, which is limited at an unlikely slip.
 
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
@@ -147,7 +147,7 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     """
     rule = next(rule for rule in RULES if rule.name == verdict.rule)
     named = (verdict.candidates[place] for place in verdict.faults)
-    # Of two faults both must be there; of several places one.
+    # If two faults are named, both must be there; of several possible places, one.
     least_or_most = min if verdict.result in verdict.faults else max
     comb = least_or_most(named, key=lambda c: c.z, default=highest_comb(evidence.heard))
     at_most = min(rule.at_most, DOUBTED) if _unlikely_slip(verdict) else rule.at_most
@@ -157,15 +157,15 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
 
 def _unlikely_slip(verdict: Verdict) -> float:
     """
-    Slip that an answer needs if that is an unlikely one, else 0.
+    Return the slip that an answer needs if it is unlikely, else 0.
 
-    Places named together need it where one does; of several that are possible all must. But
-    places that explain each other's lines are as clear as each other: where one of them needs it,
-    bearing or speed are doubtful.
+    An answer with several faults needs the largest slip of them. An answer with several possible
+    places needs the smallest, except for places that explain each other's lines: they are equally
+    clear, so one unlikely slip makes bearing or speed doubtful.
     """
     if verdict.result not in (*PLACES, 'ambiguous'):
         return 0.0
-    # A comb that may be chance has any slip: the answer does not rest on it.
+    # The slip of a comb that may be chance is arbitrary and does not count.
     slips = [c.slip for c in map(verdict.candidates.__getitem__, verdict.faults) if c.z >= Z_FAULT]
     one_is_enough = verdict.result == 'ambiguous' and verdict.rule != 'same_lines'
     slip = (min if one_is_enough else max)(slips, default=0.0)

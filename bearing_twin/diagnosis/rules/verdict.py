@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a rule decides."""
+"""Verdict of a rule."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NO_ALARM = f'modulation index below {INDEX_FAULT:g}: not an alarm'
 
 def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
     """
-    Most significant comb that modulates the envelope by more than noise does.
+    Return the most significant comb with a larger index than noise, or None.
 
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> chance = Candidate('outer', 3.06, 0.0, z=5.0, index=0.0)
@@ -33,7 +33,7 @@ def highest_comb(candidates: Iterable[Candidate]) -> Candidate | None:
 
 
 class Verdict(NamedTuple):
-    """The decision on one window or on the mean of several."""
+    """Decision on one window or on the mean of several."""
 
     level: str
     reasons: tuple[str, ...]
@@ -43,25 +43,25 @@ class Verdict(NamedTuple):
     :func:`bearing_twin.diagnosis.rules.table.decide`."""
     faults: tuple[str, ...] = ()
     strongest: Candidate | None = None
-    """The comb that the verdict is about; None where it is about none."""
+    """Comb that the verdict is about, or None."""
     rule: str = ''
     """Name of the rule that decided."""
     trust: Trust = Trust()
-    """What the confidence rests on."""
+    """Basis of the confidence."""
 
     @property
     def kind(self) -> str:
-        """Kind of answer, by which answers are compared: see ``confidence``; '' for no answer."""
+        """Kind of answer, see :data:`bearing_twin.diagnosis.rules.confidence.CLAIMS`, or ''."""
         return kind_of(self.result, self.level, self.faults, self.rule)
 
     @property
     def confidence(self) -> float:
-        """Share of right answers among simulated ones like this: see ``confidence``."""
+        """Share of right answers on simulated machines with such evidence: see ``confidence``."""
         return confidence(self.kind, self.trust) if self.kind else 0.0
 
     @property
     def weight(self) -> float:
-        """Weight of the comb that the verdict is about; 0 without any."""
+        """Weight of the comb that the verdict is about; 0 without one."""
         return self.strongest.weight if self.strongest else 0.0
 
 
@@ -74,9 +74,9 @@ def say(
     candidates: dict[str, Candidate] | None = None,
 ) -> Verdict:
     """
-    Verdict for the reasons ``texts``; the table of rules adds the answer.
+    Return a verdict with the reasons ``texts``; the table of rules adds the answer.
 
-    It is about a comb, or about none, and then about the place of that comb or about ``faults``.
+    It is about a comb or none. It names ``faults``, by default the place of the comb.
 
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
@@ -99,7 +99,7 @@ def say(
 
 def silent(e: Evidence, text: str) -> Verdict:
     """
-    Verdict without a statement, for one reason, with the combs that are too faint for one.
+    Return a verdict without a statement: the reasons are the faint combs and ``text``.
 
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> silent(Evidence.of(), 'few turns').level
@@ -111,7 +111,7 @@ def silent(e: Evidence, text: str) -> Verdict:
 
 def unless_loose(e: Evidence, comb: Candidate) -> str:
     """
-    Level of a comb: an alarm where it is strong and no loose shaft has such lines.
+    Return the level of a comb: *fault* if it is strong and no loose shaft makes such lines.
 
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
