@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 import os
 import resource
 import shutil
+import sys
 import tracemalloc
 from typing import TYPE_CHECKING
 
@@ -33,13 +34,20 @@ SIZE = len(vibration_cdr(0))
 
 @contextmanager
 def file_size_limit(size: int) -> Iterator[None]:
-    """Let the kernel refuse to make files larger than ``size`` bytes, as a full disk would."""
+    """
+    Let the kernel refuse to make files larger than ``size`` bytes, as a full disk would.
+
+    Modules that are imported meanwhile leave no code on the disk: Python would keep the part that
+    is written, and no process could import them any more.
+    """
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    kept, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        sys.dont_write_bytecode = kept
 
 
 def put(writer: RecordingWriter, index: int) -> None:
