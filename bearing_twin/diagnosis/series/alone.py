@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What each snapshot of a series says alone: a machine may be damaged from the first one on."""
+"""Answers of single snapshots: a machine may be damaged from the first snapshot on."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 
 
 CONFIRMING = 5
-"""Snapshots whose median is judged: two of five may be disturbed."""
+"""Number of snapshots whose median is judged: two of five may be disturbed."""
 
 NEWEST = 2 * CONFIRMING - 1
-"""Answers kept: the level that ``CONFIRMING`` of them reach is their median."""
+"""Number of answers that are kept: the level that ``CONFIRMING`` reach is their median."""
 
 
 def answer_alone(analysis: Analysis) -> Diagnosis:
     """
-    Return what a snapshot says without the others; one below a second has no velocity.
+    Return the diagnosis of a snapshot alone; snapshots below a second have no velocity.
 
     >>> import numpy as np
     >>> from bearing_twin.bearing import find_bearing
@@ -46,7 +46,7 @@ def answer_alone(analysis: Analysis) -> Diagnosis:
 @dataclass
 class Answers:
     """
-    The newest answers of snapshots that were judged alone; plain values, so they can be saved.
+    Newest answers of single snapshots. The field holds plain values that can be saved.
 
     Examples
     --------
@@ -57,11 +57,11 @@ class Answers:
     """
 
     newest: list[list[str]] = field(default_factory=list)
-    """Level, place at fault ('' if none or several) and first reason of each."""
+    """Level, faulty place ('' if none or several) and first reason of each answer."""
 
     def add(self, answer: Diagnosis) -> None:
-        """Take an answer in."""
-        # An ambiguous alarm may be about a place and something else.
+        """Take an answer."""
+        # An ambiguous alarm names no single place.
         place = answer.result if answer.result in PLACES and answer.level == 'fault' else ''
         reason = answer.reasons[0] if answer.reasons else ''
         self.newest.append([answer.level, place, reason])
@@ -69,18 +69,18 @@ class Answers:
 
     @property
     def level(self) -> str:
-        """Level that ``CONFIRMING`` of the newest answers reach; 'none' of fewer."""
+        """Level that ``CONFIRMING`` of the newest answers reach; 'none' with fewer answers."""
         ranks = sorted((LEVELS.index(level) for level, _, _ in self.newest), reverse=True)
         return LEVELS[ranks[CONFIRMING - 1]] if len(ranks) >= CONFIRMING else 'none'
 
     @property
     def place(self) -> str:
-        """Place that ``CONFIRMING`` of them name as a fault; '' if there is none."""
+        """Place that ``CONFIRMING`` of the newest answers name as a fault; '' if there is none."""
         named = Counter(place for _, place, _ in self.newest if place).most_common(1)
         return named[0][0] if named and named[0][1] >= CONFIRMING else ''
 
     def __str__(self) -> str:
-        """Return what they say, or why they say nothing."""
+        """Return the common answer in words, or why there is none."""
         level, of = self.level, f'of the last {len(self.newest)} snapshots alone'
         if level == 'none':
             mute = [why for said, _, why in self.newest if said == 'none']

@@ -3,9 +3,9 @@
 """
 Envelope spectra of many short snapshots, averaged over orders.
 
-The power of the squared envelope is averaged, noise and all, and its local floor is taken off the
-average: the floor of one short snapshot is known too badly, and its median, log 2 of its mean,
-would bias what is left. The average of N floors scatters by 1/sqrt(N).
+The power of the squared envelope is averaged with its noise, and the local floor is taken off the
+average. The floor of one short snapshot is too uncertain, and its median, log 2 of its mean, would
+bias the difference. The average of N floors scatters by 1/sqrt(N).
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 
 STEP = 0.05
-"""Orders a bin; snapshots of up to 20 turns resolve no more, and longer ones are blurred to it: a
-bin has the mean power over its width, so that no line falls between two."""
+"""Orders a bin, the resolution of 20 turns. Longer snapshots are reduced to it: a bin has the mean
+power over its width, so that no line falls between two bins."""
 HIGHEST = 40.0
 """Highest order."""
 _GROUPS = (
@@ -40,32 +40,33 @@ _GROUPS = (
     (tuple(np.arange(1000.0, 5000.0, 500.0)), 500.0),
     (tuple(np.arange(1000.0, 22000.0, 1000.0)), 1000.0),
 )
-"""Lower edges of bands and their width, Hz. The wide ones overlap: what rings across the edge of
-two is whole in the third, and below a sample rate of 25 kHz the highest loses most. A resonance is
-some hundred Hz wide, so that most of a wide band is noise without impacts."""
+"""Lower edges of bands and their width, Hz. The wide ones overlap: a resonance across the edge of
+two is inside the third, and below a sample rate of 25 kHz the highest band loses most. A resonance
+is some hundred Hz wide, so most of a wide band is noise without impacts."""
 BANDS = tuple((low, low + width) for lows, width in _GROUPS for low in lows)
-"""Bands that are demodulated, Hz; a wide one is cut at 0.45 of the sample rate."""
+"""Edges of the demodulated bands, Hz; a wide one is cut at 0.45 times the sample rate."""
 _REACH = 0.8
-"""Share of its width up to which a band tells: at its width the noise of its envelope is zero."""
+"""Highest usable envelope frequency over the width of a band: at the full width the noise of the
+envelope is zero."""
 HARMONICS = 3
 _FLOORS, _LEAST_FLOOR = 64, 16
-"""Blocks of the floor that whitens a snapshot, and fewest bins of one."""
+"""Number of blocks of the floor that whitens a snapshot, and least bins of a block."""
 SLIP = 0.03
-"""Largest slip of a race or ball looked for."""
+"""Largest slip of a race or ball that is searched."""
 Z_PLACE, RIVAL = 5.0, 1.4
-"""Significance from which a place is named, and lead over the next that it needs."""
+"""Significance from which a place is named, and least ratio to that of the next place."""
 LEAST = 20
-"""Snapshots without which an average names nothing."""
+"""Least number of snapshots in an average that names a place."""
 
 
 @dataclass(frozen=True)
 class Comb:
-    """A fault whose impacts stand out of an averaged envelope."""
+    """Comb of a fault in an averaged envelope."""
 
     place: str
     order: float
     z: float
-    """Standard deviations over the combs at orders that no part of the bearing has."""
+    """Significance: standard deviations over combs at orders of no part of the bearing."""
     snapshots: int
 
     def __str__(self) -> str:
@@ -77,7 +78,7 @@ class Comb:
 
 
 def _lines(order: float) -> NDArray[np.intp]:
-    """Bins of the harmonics of a comb."""
+    """Return the bins of the harmonics of a comb."""
     return np.asarray(np.rint(order * np.arange(1, HARMONICS + 1) / STEP).astype(int) - 1)
 
 
@@ -108,12 +109,12 @@ class AveragedEnvelope:
 
     def load(self, count: int, turns: float, power: NDArray[np.float64]) -> None:
         """
-        Take up an average that has been saved.
+        Restore a saved average.
 
         Raises
         ------
         BearingTwinError
-            If it is none of ``count`` snapshots.
+            If it is not a valid average of ``count`` snapshots.
 
         """
         fits = power.shape == self.power.shape and power.dtype == self.power.dtype
@@ -125,9 +126,9 @@ class AveragedEnvelope:
 
     def add(self, x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -> None:
         """Add a snapshot: samples without their mean, shape (n,), their rate and speed in Hz."""
-        # Single precision holds the squares of no faint or large unit.
+        # Scaled, because squares in a small or large unit exceed single precision.
         spectrum = fft.rfft(x / np.abs(x).max()).astype(np.complex64)
-        # Lines that keep time, of gears and converters, beat within a band: they are capped.
+        # Steady lines of gears and converters beat within a band, so they are capped.
         spectrum = whiten(spectrum, max(_LEAST_FLOOR, len(spectrum) // _FLOORS))[0]
         seconds, row = len(x) / sample_rate, 0
         highest = round(0.45 * len(x))
@@ -147,12 +148,12 @@ class AveragedEnvelope:
     def _powers(
         self, lines: NDArray[np.complex64], seconds: float, shaft_hz: float
     ) -> NDArray[np.float64]:
-        """Power of the squared envelopes of bands of ``lines``, (bands, n), over orders."""
-        # Twice as many samples: squared, a band has lines up to its width.
+        """Return the power over orders of the squared envelopes of ``lines``, (bands, n)."""
+        # Twice as many samples: the squared envelope of a band has lines up to its width.
         count = 2 * lines.shape[1]
         envelopes = np.abs(fft.ifft(lines, count)) ** 2
         envelopes = envelopes / np.maximum(envelopes.mean(axis=1, keepdims=True), 1e-30) - 1.0
-        # Zeros behind: the spectrum between the lines of so short a piece.
+        # Zero padding gives the spectrum between the bins of so short a snapshot.
         padded = fft.next_fast_len(2 * count, real=True)
         power = np.abs(fft.rfft(envelopes, padded)) ** 2 / count**2
         step_hz = count / (padded * seconds)
@@ -171,14 +172,14 @@ class AveragedEnvelope:
         self.count += other.count
 
     def _floor(self) -> NDArray[np.float64]:
-        """Mean power of the noise, shape (bands, K)."""
+        """Return the mean power of the noise, (bands, K)."""
         mean = self.power / max(self.count, 1)
         turns = self.turns / max(self.count, 1)
-        # Wide against a line of this resolution, narrow against the slope of the floor.
+        # Much wider than a line, but narrow enough to follow the slope of the floor.
         width = 2 * round(max(4.0 / max(turns, 1e-9), 1.5) / STEP) + 1
         floor, ends = np.zeros(mean.shape), np.count_nonzero(mean, axis=1)
         for end in set(ends.tolist()) - {0}:
-            # Orders that a band does not tell are no quiet ones.
+            # Orders beyond the usable range of a band do not count as quiet.
             rows = mean[ends == end, :end]
             floor[ends == end, :end] = median_filter(
                 rows, size=(1, min(width, end | 1)), mode='nearest'
@@ -186,22 +187,22 @@ class AveragedEnvelope:
         return floor
 
     def excess(self) -> NDArray[np.float64]:
-        """Power over its local floor less one, (bands, K): zero on average where is only noise."""
+        """Return the power over its local floor less one, (bands, K); its mean in noise is 0."""
         mean, floor = self.power / max(self.count, 1), self._floor()
         return np.where(floor > 0.0, mean / np.maximum(floor, 1e-30) - 1.0, 0.0)
 
     def place(self, bearing: Bearing, before: AveragedEnvelope) -> Comb | None:
         """
-        Return the fault that stands out of this average and not of the one ``before``.
+        Return the fault that is significant in this average and not in ``before``, or None.
 
-        None where too few snapshots are there, no comb is significant, or two families cannot be
-        told apart at this resolution.
+        There is none with too few snapshots, without a significant comb, or if two places cannot
+        be told apart at this resolution.
         """
         if self.count < LEAST:
             return None
         excess = self.excess()
         if before.count >= LEAST:
-            # What the machine always did, its shaft and its neighbours, says nothing of damage.
+            # Lines that were there before, of the shaft and of other machines, are no damage.
             excess = excess - np.maximum(before.excess(), 0.0)
         resolution = self.count / self.turns
         if 1.5 * resolution >= HIGHEST / HARMONICS:
@@ -245,7 +246,7 @@ class AveragedEnvelope:
         top, place, order = best[0]
         row = int(np.searchsorted(grid, order))
         if top < z[max(row - 1, 0) : row + 2].max():
-            # What is higher beside a place's window belongs to something else.
+            # A higher comb just outside the range of a place belongs to another source.
             return None
         for rival, other, at in best[1:]:
             close = abs(orders.impacts(other) - orders.impacts(place)) < resolution
@@ -254,22 +255,22 @@ class AveragedEnvelope:
         return Comb(place, order, top, self.count) if self._own(excess, place, order) else None
 
     def _own(self, excess: NDArray[np.float64], place: str, order: float) -> bool:
-        """Whether a comb has all of its harmonics, and is no part of a denser series."""
+        """Return whether a comb has all its harmonics and is no part of a denser series."""
         heights = np.log1p(np.maximum(excess, 0.0))
         band = int(np.argmax(heights[:, _lines(order)].sum(axis=1)))
         own = heights[band, _lines(order)]
         if own.min() < MISSING * own.mean():
             return False
-        # A ball that strikes one race only has lines at its spin.
+        # A ball that strikes one race only has lines at its spin order.
         denser = [order / share for share in ((3, 4) if place == 'ball' else (2, 3, 4))]
         resolved = [each for each in denser if each * self.turns > 1.5 * self.count]
         return all(heights[band, _lines(each)].sum() * RIVAL <= own.sum() for each in resolved)
 
     def strong(self, bearing: Bearing, shaft_hz: float) -> Comb | None:
         """
-        Return the fault that modulates the envelope as much as that of a long record must.
+        Return the fault that reaches the modulation index of a fault in a long record, or None.
 
-        It needs no average before: a machine may be damaged from the first snapshot on.
+        It needs no earlier average: a machine may be damaged from the first snapshot on.
         """
         comb = self.place(bearing, AveragedEnvelope())
         if comb is None:
@@ -280,7 +281,7 @@ class AveragedEnvelope:
         rise *= max(1.0, STEP * self.turns / self.count)
         lowest = np.array([low for low, _ in BANDS])
         if comb.place == 'outer':
-            # As in :func:`sidebands.modulation_index`: below, a sound bearing shows there, too.
+            # As in :func:`sidebands.modulation_index`: lower bands show the variable compliance.
             limit = min(CARRIER * comb.order * shaft_hz, 0.5 * lowest[rise > 0.0].max(initial=0.0))
             rise[lowest < limit] = 0.0
         return comb if 2.0 * math.sqrt(rise.max()) >= INDEX_FAULT else None

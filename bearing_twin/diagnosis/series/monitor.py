@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Many short snapshots of one machine: baseline, trend, change point, alarm and where it comes from.
+Monitor of a series of short snapshots: baseline, trend, change point, alarm and its place.
 
-A snapshot of a few turns of the shaft says nothing alone. A thousand of them know the machine
-well: what it did while it was settled is its baseline, and what rises over that baseline and stays
-there is an alarm. Snapshots may be seconds or weeks apart.
+A single snapshot of a few shaft turns is not enough for a diagnosis. The levels of many snapshots
+of a settled machine are its baseline, and a lasting rise over this baseline is an alarm. Snapshots
+may be seconds or weeks apart.
 """
 
 from __future__ import annotations
@@ -50,43 +50,44 @@ if TYPE_CHECKING:
 
 
 FALL_DB = 2.0
-"""The level falls this far below the threshold it rose over before it is taken back."""
+"""Hysteresis: a level ends when it has fallen this far below its threshold, dB."""
 SCATTER_FACTOR = 6.0
-"""A machine that scatters more is suspect from this many standard deviations of its baseline, and
-at fault from twice as many. A level with a memory of 10 snapshots exceeds it within 10 000 of them
-in 7 of 100 simulated lives: 60 snapshots do not tell the scatter better. Where a level wanders by
-up to 1.2 dB (memory of 20 snapshots) it stays below 6 dB in 99 of 100 such lives."""
+"""Standard deviations of the baseline from which a machine with a large scatter is suspect; it has
+a fault from twice as many. A level with a memory of 10 snapshots exceeds the limit within 10 000
+snapshots in 7 of 100 simulated lives: 60 snapshots do not give the scatter more exactly. A level
+that wanders by up to 1.2 dB (memory of 20 snapshots) stays below 6 dB in 99 of 100 such lives."""
 LEAST_BASELINE = 10
-"""Fewest snapshots of a baseline."""
+"""Least number of snapshots of a baseline."""
 MOST = 5000
-"""Points kept; when there are more, every second of the older half is dropped."""
+"""Most points that are kept; at this number every second one of the older half is dropped."""
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline, or the lowest before it: {FALLEN}'
 
 
 class SeriesMonitor:
     """
-    Takes snapshots of one sensor in order of time and knows the machine better with each.
+    Monitor of the snapshots of one sensor, in order of time.
 
-    The baseline is learnt from the first snapshots over which level and temperature have settled,
-    and again where a machine settles lower: run-in and warm-up are no damage. Until then only a
-    rise to fourfold over the lowest level so far, a zone, or what the snapshots say one by one is
-    an alarm: a machine may be damaged from the first of them on.
+    The baseline is learnt from the first snapshots over which level and temperature have settled.
+    It is learnt again if the machine settles lower, because run-in and warm-up are no damage. A
+    machine may be damaged from the first snapshot on. So before there is a baseline, alarms come
+    from a rise to four times the lowest level so far, from a zone, and from diagnoses of single
+    snapshots.
 
     Parameters
     ----------
     bearing
-        Geometry, to judge each snapshot alone and to name what the averaged envelope shows; None:
-        alarms without a place.
+        Geometry, to diagnose each snapshot alone and to find the place in the averaged envelope;
+        None: alarms have no place.
     settings
         See :class:`DiagnosisSettings`; ``baseline_windows`` is at least 10 here.
     law
-        How the levels depend on temperature and speed; None: it is learnt from the snapshots of
+        Dependence of the levels on temperature and speed; None: it is learnt from the snapshots of
         the healthy machine.
 
     Raises
     ------
     BearingTwinError
-        If the baseline is of fewer than 10 snapshots.
+        If ``baseline_windows`` is less than 10.
 
     Examples
     --------
@@ -135,12 +136,12 @@ class SeriesMonitor:
         answer: Diagnosis | None = None,
     ) -> SeriesPoint | None:
         """
-        Take a snapshot; return the state after it, None where it cannot be judged.
+        Take a snapshot; return the state after it, or None if it cannot be judged.
 
         Parameters
         ----------
         time
-            s; a snapshot that is not later than the one before is not judged.
+            s; a snapshot that is not later than the previous one is not judged.
         x
             Samples, shape (n,).
         sample_rate
@@ -152,7 +153,7 @@ class SeriesMonitor:
         unit
             Unit of x.
         answer
-            What the snapshot says alone, if that is known already.
+            Diagnosis of the snapshot alone, if it is known already.
 
         Raises
         ------
@@ -189,7 +190,7 @@ class SeriesMonitor:
         self._kept.unjudged, self._kept.source = 0, Source(unit=unit, sample_rate=sample_rate)
         most = SUSPECT_DB if self._teaches else -math.inf
         if memory.learn(time, levels.tolist(), now, self._settings.baseline_windows, most):
-            # A machine that has run in, or was repaired, is compared with what it is now.
+            # A machine that has run in, or was repaired, is compared with its present state.
             self._kept.rise = Rise()
             self._quiet.clear()
             changes, deviations = self._changes_at(now)
@@ -200,7 +201,7 @@ class SeriesMonitor:
             self._kept.rise.add(alone, memory.base.scatter[0])
         sure = over - Z90 * float(deviations[measure])
         by_level = self._wanted(sure, measure, by_zone(severity)[0])
-        # That many healthy snapshots are no known machine.
+        # Healthy snapshots alone do not make the level known: this takes a baseline.
         said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
         newest = AveragedEnvelope()
@@ -224,12 +225,12 @@ class SeriesMonitor:
         )  # fmt: skip
         self._kept.points.append(point)
         if len(self._kept.points) >= MOST:
-            # What is long ago is kept more coarsely.
+            # The older half is thinned out.
             del self._kept.points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
 
     def _stands_out(self, newest: AveragedEnvelope, shaft_hz: float) -> bool:
-        """Take in an envelope; tell whether those of the newest snapshots show a strong fault."""
+        """Take an envelope; return whether the newest snapshots together show a strong fault."""
         if self._bearing is not None:
             self._recent.join(newest)
             if self._recent.count == LEAST_AVERAGED:
@@ -240,10 +241,10 @@ class SeriesMonitor:
     @property
     def _teaches(self) -> bool:
         """
-        Whether the machine is learnt from: not while it is suspect or worse.
+        Whether the newest snapshots are learnt: not while the machine is suspect or worse.
 
-        A doubt that only the answers of single snapshots raise may be one about a neighbour, which
-        does not end: such a machine is learnt as it is, to see it get worse.
+        A suspicion from the answers of single snapshots alone may be about another machine nearby,
+        which does not end. Such a machine is learnt as it is, so that a rise shows.
         """
         doubted = self._kept.held == 'suspect' and math.isnan(self._kept.risen)
         return self._kept.held in ('ok', 'none') or doubted
@@ -257,7 +258,7 @@ class SeriesMonitor:
         temperature: float,
         unit: str,
     ) -> None:
-        """Take in what a snapshot says without the others."""
+        """Take the answer of a snapshot alone."""
         if answer is None and self._bearing is not None:
             excerpt = Excerpt.of(
                 x, shaft_hz, sample_rate, self._bearing, self._settings,
@@ -268,7 +269,7 @@ class SeriesMonitor:
             self._kept.answers.add(answer)
 
     def _not_compared(self, time: float, reason: str) -> None:
-        """Leave out a snapshot whose level says nothing; it may still show damage by itself."""
+        """Leave out a snapshot whose level is not comparable; its answer may still raise it."""
         self._kept.leave_out(reason)
         if LEVELS.index(self._kept.answers.level) > LEVELS.index(self._kept.held):
             self._hold(time, self._kept.answers.level)
@@ -276,7 +277,7 @@ class SeriesMonitor:
     def _refuse(
         self, time: float, x: NDArray[np.float64], sample_rate: float, shaft_hz: float, unit: str
     ) -> str:
-        """Why a snapshot says nothing; '' if it does."""
+        """Return why a snapshot cannot be judged; '' if it can."""
         if self._kept.points and not time > self._kept.points[-1].time:
             return 'not later than the one before; sort the files, or mend their times'
         before = self._kept.source
@@ -298,29 +299,29 @@ class SeriesMonitor:
         return ''
 
     def _laws(self) -> list[Law]:
-        """Law of each measure."""
+        """Return the law of each measure."""
         return self._kept.memory.laws() if self._given is None else [self._given] * len(MEASURES)
 
     def _changes_at(self, now: Condition) -> NDArray[np.float64]:
-        """Corrections of the levels to the condition of the baseline, and their deviations, dB."""
+        """Return corrections to the baseline's condition, and standard deviations, dB."""
         pairs = [law.correct(now, self._kept.memory.at) for law in self._laws()]
         return np.asarray(np.transpose(pairs))
 
     def _limit(self, measure: int) -> float:
-        """Level over the baseline from which on a measure is suspect, dB."""
+        """Return the level over the baseline from which a measure is suspect, dB."""
         base = self._kept.memory.base
         return max(SUSPECT_DB, SCATTER_FACTOR * base.scatter[measure] if base else 0.0)
 
     def _over(self, now: Condition) -> tuple[float, int]:
-        """Level of the last snapshots over what they are compared with, dB, and its measure."""
+        """Return the level of the last snapshots over their reference, dB, and its measure."""
         recent = np.median(self._levels[-CONFIRMING:], axis=0)
         over = np.nan_to_num(self._kept.memory.over(recent, now), neginf=-math.inf)
-        # What a measure is over is weighed by what its threshold is.
+        # The measures are compared by their ratio to their thresholds.
         most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
         return float(over[most]), most
 
     def _wanted(self, over: float, measure: int, zone_level: str) -> str:
-        """Level that those of the newest snapshots ask for."""
+        """Return the level that the vibration of the newest snapshots requires."""
         if len(self._levels) < CONFIRMING:
             return self._kept.held
         if self._kept.memory.base is None:
@@ -330,7 +331,7 @@ class SeriesMonitor:
         wanted = 'ok'
         for level, threshold in thresholds.items():
             standing = LEVELS.index(self._kept.held) >= LEVELS.index(level)
-            # What only the answers hold was never over the threshold.
+            # A level held only by answers was never over the threshold.
             standing &= math.isfinite(self._kept.risen)
             if over >= threshold - FALL_DB * standing:
                 wanted = level
@@ -340,17 +341,17 @@ class SeriesMonitor:
         return max(wanted, zone_level, by_rise, key=LEVELS.index)
 
     def _usual(self) -> Baseline | None:
-        """Return the former baseline that the newest levels agree with; None: no one."""
+        """Return the former baseline that agrees with the newest levels, or None."""
         recent = np.median(self._levels[-CONFIRMING:], axis=0)
         return self._kept.memory.was_settled_at(recent)
 
     def _hold(self, time: float, wanted: str) -> None:
-        """Take a level for the one that is held, and forget the alarm that it may end."""
+        """Update the held level; if an alarm ends, forget its envelopes."""
         if self._kept.hold(time, wanted, self._settings.series_hold):
             self._loud.clear()
 
     def report(self) -> SeriesReport:
-        """Return what all snapshots so far say together."""
+        """Return the report on all snapshots so far."""
         base = self._kept.memory.base
         comb, place = None, ''
         if self._bearing is not None and self._kept.held in ('suspect', 'fault'):
@@ -375,11 +376,11 @@ class SeriesMonitor:
 
     @property
     def lost(self) -> bool:
-        """Whether so many snapshots were not judged that a sound machine is none any more."""
+        """Whether too many snapshots were not judged to call the machine healthy still."""
         return self._kept.held == 'ok' and self._kept.unjudged >= self._settings.baseline_windows
 
     def save(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-        """Plain values and arrays worth keeping over a restart; see :meth:`load`."""
+        """Return plain values and arrays to keep over a restart; see :meth:`load`."""
         values = {
             'kept': asdict(self._kept),
             'averaged': [[a.count, a.turns] for a in self._averages.values()],
@@ -395,17 +396,17 @@ class SeriesMonitor:
         return {'quiet': self._quiet, 'loud': self._loud, 'recent': self._recent}
 
     def forget_answers(self) -> None:
-        """Drop what the snapshots said without a rise of the level: it was of another bearing."""
+        """Drop the answers of single snapshots, which were about another bearing."""
         self._kept.answers, self._kept.strong = Answers(), None
 
     def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
         """
-        Take up what :meth:`save` returned.
+        Restore what :meth:`save` returned.
 
         Raises
         ------
         KeyError, TypeError, ValueError, IndexError, OverflowError, BearingTwinError
-            If it is not that; the monitor is then not to be used.
+            If the data is anything else. The monitor must not be used then.
 
         """
         self._kept = restored(Kept, values['kept'])
@@ -418,7 +419,7 @@ class SeriesMonitor:
             average.load(int(count), float(turns), arrays[name])
 
     def _change(self, alarm: float) -> float:
-        """Time at which the rise to an alarm began, the last zero of Page's CUSUM; NaN of none."""
+        """Return the onset of the rise to an alarm, the last zero of Page's CUSUM; NaN if none."""
         if math.isnan(alarm):
             return math.nan
         times = np.array([point.time for point in self._kept.points])
@@ -433,7 +434,7 @@ class SeriesMonitor:
             floor = base.levels[measure]
             reference = max(reference, base.scatter[measure])
         if np.median(levels[-CONFIRMING:]) <= floor + reference:
-            # A zone may be an alarm from the first snapshot on.
+            # Without a rise: a zone may be an alarm from the first snapshot on.
             return math.nan
         return float(times[start + rise_begins(levels[start:], floor, reference)])
 

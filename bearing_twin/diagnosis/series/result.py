@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a series of snapshots answers."""
+"""Results of a series: the state after each snapshot, and the report on all."""
 
 from __future__ import annotations
 
@@ -22,57 +22,57 @@ class SeriesPoint:
     over_baseline: float
     """Median of the last five levels over their baseline, dB, of the measure that rose most."""
     measure: str
-    """Which measure that is; '' before there is a baseline."""
+    """Measure that rose most; '' before there is a baseline."""
     rms: float
-    """Of the snapshot, in its unit."""
+    """RMS of the snapshot, in its unit."""
     temperature: float
     """degC; NaN if unknown."""
     iso_zone: str
     correction: float = 0.0
-    """Change with temperature and speed that was taken off the whole signal, dB."""
+    """Change with temperature and speed, taken off the level of the whole signal, dB."""
     correction_sd: float = 0.0
-    """Its standard deviation, dB."""
+    """Standard deviation of the correction, dB."""
     rising: int = 0
-    """Snapshots for which the level has stood over its baseline for good; 0: it has not."""
+    """Number of snapshots since a lasting rise over the baseline began; 0 without one."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SeriesReport:
-    """What all snapshots together say."""
+    """Report on all snapshots."""
 
     level: str
     """Held level at the end."""
     points: tuple[SeriesPoint, ...]
-    """One a snapshot that could be judged."""
+    """State after each snapshot that could be judged."""
     baseline: tuple[float, float] | None
-    """First and last time of the snapshots that the present baseline rests on, s; None: none."""
+    """First and last time of the snapshots of the present baseline, s; None without one."""
     scatter: float
     """Standard deviation of the level within the baseline, dB."""
     change: float
-    """When the level began to rise to the newest alarm, s; NaN if it did not rise."""
+    """Time at which the rise to the newest alarm began, s; NaN if the level did not rise."""
     alarm: float
-    """When that was: when the level last left 'ok', s; NaN if it never did."""
+    """Time of the newest alarm, when the level last left 'ok', s; NaN without an alarm."""
     first_alarm: float
-    """When the level first left 'ok', s; NaN if it never did."""
+    """Time at which the level first left 'ok', s; NaN without an alarm."""
     first_fault: float
-    """When it first was 'fault', s; NaN if it never was."""
+    """Time at which the level first was 'fault', s; NaN without a fault."""
     changes: int
-    """How often the held level changed after it was first known."""
+    """Number of changes of the held level after it was first known."""
     trend: float
     """Slope of the level over the last quarter of the time since the baseline, dB/h (Theil and
-    Sen); NaN where too little is there."""
+    Sen); NaN with too few snapshots."""
     warmer: float
-    """Temperature at the end over that of the baseline, K; NaN if unknown."""
+    """Temperature at the end less that of the baseline, K; NaN if unknown."""
     law: Law
-    """How the level of the whole signal depends on temperature and speed."""
+    """Dependence of the level of the whole signal on temperature and speed."""
     place: str
-    """Place that the newest snapshots name alone, or else the average of the envelopes since the
-    change; '' if neither does, or the level is 'ok'."""
+    """Place that the newest snapshots name alone, or else the place in the averaged envelopes
+    since the change; '' without a place, and at the level 'ok'."""
     reasons: tuple[str, ...]
 
     @property
     def result(self) -> str:
-        """Answer that the held level stands for, one of ``RESULTS``."""
+        """Answer for the held level, one of ``RESULTS``."""
         if self.level == 'fault':
             return self.place or 'ambiguous'
         return {'ok': 'healthy', 'suspect': 'suspect'}.get(self.level, 'insufficient')

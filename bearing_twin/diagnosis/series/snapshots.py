@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Snapshots out of blocks, judged as one series: a stream with gaps of seconds or weeks."""
+"""Diagnosis of a series from the blocks of a stream, with one snapshot a cycle."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ if TYPE_CHECKING:
 
 _VERSION = 1013
 _LARGEST = 64 * 1024 * 1024
-"""Most bytes that a saved state unpacks to: 5000 points are 2 MB."""
+"""Largest unpacked size of a saved state, bytes: 5000 points are 2 MB."""
 _SOONER = 0.75
-"""Share of the cycle after which the next snapshot may come: cycles are never exact."""
+"""Part of the cycle after which the next snapshot may begin: cycles are never exact."""
 
 
 class SeriesDiagnoser:
     """
-    Takes one snapshot a cycle out of the blocks of a sensor and judges all as one series.
+    Takes one snapshot a cycle from the blocks of a sensor and judges all as one series.
 
-    Stands where :class:`bearing_twin.diagnosis.StreamingDiagnoser` does where
-    ``settings.series_cycle`` is not 0. Between snapshots nothing need come. Time is what the
-    sample index has run at the rate of each block; where the index starts anew, the next snapshot
-    is one cycle after the last.
+    It is used instead of :class:`bearing_twin.diagnosis.StreamingDiagnoser` if
+    ``settings.series_cycle`` is not 0. No samples are needed between snapshots. Time is the sample
+    index over the rate of each block. If the index starts anew, the next snapshot is one cycle
+    after the last one.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis import DiagnosisSettings
@@ -63,7 +63,7 @@ class SeriesDiagnoser:
 
     def __init__(self, bearing: Bearing, settings: DiagnosisSettings) -> None:
         self.other_source = ''
-        """Why the last snapshot is not of the source of the series; '' if it is."""
+        """Why the last snapshot is of another source than the series; '' if it is not."""
         self._source = Source()
         # Time at the sample after the newest block, and of the newest snapshot.
         self._ended, self._last = 0.0, -math.inf
@@ -111,7 +111,7 @@ class SeriesDiagnoser:
         unit: str = '',
         sensor: str = '',
     ) -> list[Excerpt]:
-        """Take a block; return the snapshot that is whole, if one is: as StreamingDiagnoser."""
+        """Take a block; return complete snapshots. The arguments are StreamingDiagnoser's."""
         block = checked_block(x, sample_rate)
         known = {'temperature': temperature, 'unit': unit, 'sensor': sensor}
         found = []
@@ -120,9 +120,9 @@ class SeriesDiagnoser:
             found += self._snapshot(speed_measured, known)
         now = self._ended + (first_sample - self._next) / sample_rate
         if first_sample < self._next:
-            # The source counts anew, maybe for each snapshot.
+            # The source starts its index anew, maybe for each snapshot.
             now = self._last + self._settings.series_cycle
-        # A pause is no time of the series in which samples came.
+        # A pause without samples does not count as overdue.
         self._whole += max(now - self._ended - self._settings.series_cycle, 0.0)
         if not (self._parts and steady):
             self._rate = sample_rate
@@ -141,7 +141,7 @@ class SeriesDiagnoser:
 
     @property
     def overdue(self) -> str:
-        """Why no snapshot can be judged although samples come; '' if one can."""
+        """Why no snapshot can be judged although samples arrive; '' if one can."""
         elapsed = self._ended - self._whole
         if not elapsed > PATIENCE * self._settings.series_cycle:
             return ''
@@ -175,7 +175,7 @@ class SeriesDiagnoser:
         ]
 
     def judge(self, analysis: Analysis) -> Diagnosis:
-        """Judge a snapshot together with all before it."""
+        """Return the diagnosis of a snapshot together with all earlier ones."""
         return staged(self._judged(analysis))
 
     def _judged(self, analysis: Analysis) -> Diagnosis:
@@ -203,7 +203,7 @@ class SeriesDiagnoser:
                 correction_basis=str(report.law),
                 rising=math.ceil(point.rising * self._settings.series_cycle / 60.0),
             )  # fmt: skip
-        # What is held stands, whether or not this snapshot can be judged.
+        # The held level applies even if this snapshot cannot be judged.
         level = report.level
         found = replace(found, severity=severity, reasons=reasons)
         unknown = self._monitor.lost and found.level == 'ok'
@@ -222,7 +222,7 @@ class SeriesDiagnoser:
         )  # fmt: skip
 
     def save(self) -> bytes:
-        """State worth keeping over a restart: the series, without a snapshot that is not whole."""
+        """Return the state to keep over a restart: the series without an incomplete snapshot."""
         values, arrays = self._monitor.save()
         own = {
             'source': asdict(self._source),
@@ -235,22 +235,22 @@ class SeriesDiagnoser:
 
     def load(self, data: bytes) -> None:
         """
-        Take up a saved state.
+        Restore a saved state.
 
         Raises
         ------
         BearingTwinError
-            If the bytes are not such a state; the present state is then unchanged.
+            If the bytes are no such state. The present state is unchanged then.
 
         """
-        # What is no such state, or one of another version, is refused by unpack.
+        # unpack refuses any other data, and states of other versions.
         with suppress(zlib.error):
             data = zlib.decompressobj().decompress(data, _LARGEST)
         values, arrays = unpack(data, _VERSION)
         monitor = SeriesMonitor(self._bearing, self._settings)
         try:
             monitor.load(values['series'], arrays)
-            # What does not fit together shows here, and not in the next snapshot.
+            # Inconsistent values raise here, and not with the next snapshot.
             monitor.report()
             source = restored(Source, values['source'])
             ended, last, following = (values[name] for name in ('ended', 'last', 'next'))

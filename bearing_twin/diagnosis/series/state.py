@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a series knows of its machine, and the level that it holds."""
+"""State of a series: memory of the machine, points and held level."""
 
 from __future__ import annotations
 
@@ -19,36 +19,35 @@ from bearing_twin.errors import BearingTwinError
 
 @dataclass
 class Kept:
-    """What a monitor knows of its machine, besides arrays: it is saved as it is."""
+    """State of a monitor without its arrays; it is saved as it is."""
 
     memory: Memory = field(default_factory=Memory)
     rise: Rise = field(default_factory=Rise)
     points: list[SeriesPoint] = field(default_factory=list)
     answers: Answers = field(default_factory=Answers)
     strong: Comb | None = None
-    """Fault that stands out of the envelopes of the last ``LEAST_AVERAGED`` snapshots, or of as
-    many before that are complete."""
+    """Strong fault in the averaged envelope of the last complete ``LEAST_AVERAGED`` snapshots."""
     source: Source = field(default_factory=Source)
     held: str = 'none'
-    """Level that is held."""
+    """Held level."""
     low_since: float = math.nan
-    """Since when the level is low while an alarm is held, s; NaN if it is not."""
+    """Time since which the level is low while an alarm is held, s; NaN if it is not low."""
     low: int = 0
-    """Snapshots since then."""
+    """Number of snapshots since ``low_since``."""
     began: float = math.nan
-    """When the level that is held last rose from 'none' or 'ok', s."""
+    """Time at which the held level last rose from 'none' or 'ok', s."""
     risen: float = math.nan
-    """First time since then at which the vibration itself asked for an alarm, s; NaN if none."""
+    """First time since then at which the vibration level required an alarm, s; NaN if none."""
     alarms: dict[str, float] = field(default_factory=dict)
     """Time of the first alarm of each level, s."""
     changes: int = 0
     refused: dict[str, int] = field(default_factory=dict)
-    """Snapshots that were not judged, by the reason."""
+    """Number of snapshots that were not judged, by reason."""
     unjudged: int = 0
-    """Those since the last that was."""
+    """Number of snapshots since the last judged one."""
 
     def __post_init__(self) -> None:
-        """Refuse, of a saved series, a level or a place that none is."""
+        """Refuse a saved series with an unknown level or place."""
         place = self.strong.place if self.strong else PLACES[0]
         if self.held not in LEVELS or place not in PLACES:
             said = f'level {self.held!r:.60} or place {place!r:.60}'
@@ -62,9 +61,10 @@ class Kept:
 
     def hold(self, time: float, wanted: str, least: float) -> bool:
         """
-        Rise at once, fall only after the level was low for long enough; tell whether it fell.
+        Raise the held level at once, lower it after it was low for long; return whether it fell.
 
-        Level wanted at ``time`` of the newest snapshot; ``least`` is how long it has to be low, s.
+        ``wanted`` is the level at ``time``, s, of the newest snapshot; ``least`` is the shortest
+        time for which it must be low before the held level falls, s.
 
         Examples
         --------
@@ -83,11 +83,12 @@ class Kept:
             if math.isnan(self.low_since):
                 self.low_since, self.low = time, 0
             self.low += 1
-            # Where the cycle is longer than the hold: until the answers that raised it are gone.
+            # If the cycle is longer than the hold, wait until the answers that raised the level
+            # are gone.
             if time - self.low_since < least or self.low < NEWEST:
                 return False
             if self.held == 'fault':
-                # What was repaired is another machine.
+                # A repaired machine is learnt anew.
                 self.memory.forget_before(self.low_since)
         elif self.held in ('none', 'ok'):
             self.began, self.risen = time, math.nan
