@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # PYTHON_ARGCOMPLETE_OK
 """
-The ``bearing-twin`` command: a module or a room for each sub-command.
+The ``bearing-twin`` command, with a module or a package for each sub-command.
 
-A sub-command NAME lives in ``bearing_twin/cli/NAME.py``, or in a room of that name, and offers
-``configure(parser)``, which adds its arguments, and ``run(args) -> int``, which does the work and
-returns the exit status.
-Only the module of the command that is called is imported, so that none pays for another.
+The sub-command NAME is in ``bearing_twin/cli/NAME.py``, or in a package of that name. Its
+``configure(parser)`` adds the arguments; its ``run(args) -> int`` does the work and returns the
+exit status.
+Only the module of the called command is imported, which keeps the start short.
 
-Words are completed in a shell that has run ``eval "$(register-python-argcomplete bearing-twin)"``.
+Shells that have run ``eval "$(register-python-argcomplete bearing-twin)"`` complete words.
 """
 
 from __future__ import annotations
@@ -65,15 +65,15 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
     Parameters
     ----------
     argv
-        Words behind ``bearing-twin``; None: those of this process.
+        Arguments after ``bearing-twin``; None: those of this process.
     begin
-        Called when everything is loaded and a sub-command that is no node begins its work.
+        Called when everything is loaded, before a sub-command other than ``run`` begins its work.
 
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     completing = '_ARGCOMPLETE' in os.environ
     if completing:
-        # A shell asks what may follow: the line so far is in the environment.
+        # A shell asks for completions: the line so far is in the environment.
         arguments = os.environ.get('COMP_LINE', '').split()[1:]
     parser = argparse.ArgumentParser(
         prog='bearing-twin', description='Temperature-aware bearing twin and diagnosis.'
@@ -103,15 +103,15 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
     keep_freed_memory()
     mend_streams()
     if args.command != 'run':
-        # Nearly all that a command makes is of use to its end: to look through it again and again
-        # for garbage takes half of the time where it is much.
+        # Nearly all objects of a command live to its end. If there are many, repeated searches for
+        # garbage take half of the time.
         gc.set_threshold(20_000, 20, 20)
-        # From here on an interrupt has something to lose; nodes see to that themselves.
+        # From here on an interrupt may lose work; nodes handle interrupts themselves.
         begin()
     slow = threading.Timer(SLOW, tell_of_compiling, [args.command])
     slow.daemon = True
     if args.command not in {'compile', 'demo', 'run'}:
-        # These three say it themselves.
+        # These three report it themselves.
         slow.start()
     try:
         status: int = args.run(args)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 ORDER_WIDTH = 0.01
-"""Half of the width of an order that is looked for: two lines of a window of 8 s at 25 Hz."""
+"""Half-width of the search around an order: two lines of a window of 8 s at 25 Hz."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print one bearing in full, or several a line each; refuse what matches none."""
+    """Print one bearing in full, or one line for each of several; raise if none matches."""
     found = _matching(args.query or '')
     parts: dict[str, str] = {}
     if args.order is not None:
@@ -67,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _striking(order: float) -> dict[str, str]:
-    """Names of the bearings that strike at an order, and the parts that do."""
+    """Return the parts that strike at an order, by the name of their bearing."""
     parts: dict[str, str] = {}
     for bearing, place in striking_parts(order, ORDER_WIDTH):
         parts[bearing.name] = f'{parts[bearing.name]}, {place}' if bearing.name in parts else place
@@ -75,7 +75,7 @@ def _striking(order: float) -> dict[str, str]:
 
 
 def _matching(query: str) -> list[Bearing]:
-    """Return the bearing of that name, else all whose name begins so or whose kind has it."""
+    """Return the bearing of that name, else all with this beginning or this part of the kind."""
     folded = query.strip().casefold()
     known = catalogue().values()
     if not folded:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin bench``: measure on this machine what the project promises."""
+"""``bearing-twin bench``: measure the performance on this machine against its targets."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure and print; figures depend on what else the machine does."""
+    """Measure and print; other load on the machine changes the figures."""
     unknown = [name for name in args.names if name not in BENCHES]
     if unknown:
         msg = f'there is no bench {", ".join(unknown)}; there are {", ".join(BENCHES)}'
@@ -74,11 +74,11 @@ def run(args: argparse.Namespace) -> int:
     for done, name in enumerate(names, start=1):
         _say(args, f'{by_level(name, "bold")} ({done} of {len(names)}): {BENCHES[name]} ...')
         try:
-            # The longest of them says how far it is.
+            # The longest benchmark reports its progress.
             known = {'say': partial(_say, args)} if name == 'live' else {}
             figures |= importlib.import_module(f'bearing_twin.bench.{name}').measure(**known)
         except BearingTwinError as error:
-            # What the others measured is not lost.
+            # The figures of the others are kept.
             failed = 1
             print(f'bearing-twin bench {name}: {error}', file=sys.stderr, flush=True)
     if live:
@@ -107,7 +107,7 @@ def _say(args: argparse.Namespace, text: str) -> None:
 
 
 def _machine() -> dict[str, object]:
-    """Return what the figures depend on besides the code."""
+    """Return versions, cores and load, on which the figures depend."""
     return {
         'bearing_twin': __version__,
         'python': platform.python_version(),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin compile``: compile the kernels, which their first use does otherwise."""
+"""``bearing-twin compile``: compile the kernels before their first use."""
 
 from __future__ import annotations
 

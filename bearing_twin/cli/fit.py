@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin fit``: what vibration files say about the twin's parameters, with intervals."""
+"""``bearing-twin fit``: estimate the twin's parameters from vibration files, with intervals."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Fit the twin to each file; 0 only if every file could be fitted."""
+    """Fit the twin to each file; return 0 only if every file could be fitted."""
     bearing = given_bearing(args)
     speed = given_speed(args)
     tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]
@@ -108,7 +108,7 @@ def run(args: argparse.Namespace) -> int:
                 path = picture_of(Path(args.plot), name, channel)
                 draw_calibration(found, record.x, record.sample_rate, path)
             except BearingTwinError as error:
-                # The fit took a minute: it is told, whatever becomes of its picture.
+                # The fit took a minute: it is printed even if its picture fails.
                 failed += 1
                 print(f'bearing-twin fit: {error}', file=sys.stderr, flush=True)
         progress(done, len(tasks), 'files')
@@ -118,7 +118,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check_steady(name: str, record: Signal) -> None:
-    """Refuse a record whose file tells that its speed moves."""
+    """Raise if the speed in the file of a record varies too much."""
     if len(record.speeds) and np.ptp(record.speeds) > MOVED * record.shaft_hz:
         slowest, fastest = record.speeds.min(), record.speeds.max()
         msg = (
@@ -137,12 +137,12 @@ def _print(name: str, source: str, found: Calibration, *, as_json: bool) -> None
 
 
 def _print_joined(fitted: list[tuple[str, str, Calibration]], *, as_json: bool) -> None:
-    """Print each record as the others leave it, and what they say together."""
+    """Print the fit of each record given the others, and the joint result."""
     names = [name for name, _, _ in fitted]
     try:
         records, width, statement = joined([found for _, _, found in fitted])
     except BearingTwinError:
-        # The fits took minutes: they are told, whatever they say together.
+        # The fits took minutes: they are printed even if they cannot be joined.
         for name, source, found in fitted:
             _print(name, source, found, as_json=as_json)
         raise
@@ -189,12 +189,12 @@ def seed(text: str) -> int:
 
 
 def _page(source: str, found: Calibration) -> str:
-    """Return the calibration as a person reads it."""
+    """Return the calibration as text."""
     before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
     lines = [
         *wrapped('', f'{shown(source)}: {found.statement}'),
         f'spectrum  log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '
-        # Zero is added lest -0.0 be printed.
+        # Adding zero turns -0.0 into 0.0.
         f'level {before}{round(found.level, 1) + 0.0:+.1f} dB',
         f'cost      {found.cost_s:.1f} s of one core',
         '',
@@ -208,7 +208,7 @@ def _page(source: str, found: Calibration) -> str:
             f'{told:<8} {value.unit.replace("unit of the samples", "unit")}'.rstrip()
         )
         reasons.setdefault(f'{told}: {value.why}', []).append(quantity)
-    # Many share a reason, and no screen is as wide as a row with its own.
+    # Many quantities share a reason, and a row with its own would be too wide.
     for reason, quantities in reasons.items():
         lines += ['', *wrap(f'{", ".join(quantities)} {reason}', 78)]
     return '\n'.join(lines)

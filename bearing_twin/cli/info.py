@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin info``: what is inside a recording, and how sound it is."""
+"""``bearing-twin info``: contents and health of a recording."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print; status 0 if the recording is sound, as far as it was looked at."""
+    """Print contents and health; return 0 if no problem was found."""
     path = find_recording(args.recording)
     info, health = (recording_info(path), None) if args.no_health else examine(path)
     problems = list(dict.fromkeys([*info.problems, *(health.problems if health else ())]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin play``: a vibration file as the topic of a sensor, in real time."""
+"""``bearing-twin play``: publish a vibration file as a sensor would, in real time."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 TOPICS = {'float32_multi_array': 'samples', 'imu': 'imu', 'vibration': 'vibration'}
 """Message types, and the topics on which adapter and diagnosis listen to them."""
 SINGLE_PERIOD = 0.01
-"""Samples that are messages of their own are sent this long at a time, s."""
+"""Messages of one sample each are sent together at this period, s."""
 LISTENER_WAIT = 3.0
-"""Time after which a line says that nobody listens yet, s."""
+"""Time after which a missing subscriber is reported, s."""
 LONGEST_ACK = 10.0
-"""Longest wait at the end for those who have not taken the last samples yet, s."""
+"""Longest wait at the end for subscribers that have not taken the last samples, s."""
 LONGEST_SLEEP = 0.5
 
 
@@ -67,7 +67,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play once somebody listens; status 0 at the end of the file, or when a loop is ended."""
+    """Play as soon as there is a subscriber; return 0 at the end of the file or of a loop."""
     if not (0.0 < args.speed <= 1000.0 and 1 <= args.block <= 65536):
         msg = (
             f'--speed {args.speed:g} --block {args.block}: give a speed above 0, up to 1000, and '
@@ -102,7 +102,7 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
         topic = args.topic or TOPICS[args.kind]
         qos = own(STREAM)
         if args.kind == 'imu':
-            # A second, as of blocks at the least.
+            # One second; a queue of blocks is at least as long.
             qos.depth = math.ceil(signal.sample_rate)
         publisher: Publisher[Any] = node.create_publisher(source.type, topic, qos)
         said = time.monotonic() + LISTENER_WAIT
@@ -122,33 +122,33 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
             publisher.wait_for_all_acked(Duration(seconds=LONGEST_ACK))
         return 0 if args.loop or source.finished else 143
     except RuntimeError:
-        # An RCLError: TERM ends the context under the hands of whoever asks it.
+        # An RCLError: SIGTERM has ended the context while it was in use.
         if rclpy.ok():
             raise
         return 0 if args.loop else 143
     finally:
-        # A signal may end the context at the same time, in a thread of rclpy's own.
+        # A signal may end the context at the same time, in a thread of rclpy.
         with contextlib.suppress(RuntimeError):
             rclpy.try_shutdown()
 
 
 @dataclass
 class _Source:
-    """A signal in pieces, each sent when its last sample would have been taken."""
+    """A signal that is sent in pieces, each when its last sample would have been taken."""
 
     signal: Signal
     type: type
-    """Of the messages."""
+    """Type of the messages."""
     messages: Callable[[int, int, np.ndarray[Any, Any]], list[Any]]
-    """Messages of samples that begin at an index and a time in ns."""
+    """Return the messages of samples, from their first index, time in ns, and values."""
     size: int
-    """Samples of a piece."""
+    """Samples per piece."""
     speed: float
     loop: bool
     finished: bool = False
 
     def send(self, publish: Callable[[Any], None], wanted: Callable[[], bool]) -> None:
-        """Send all, or until it is not wanted any more."""
+        """Send all pieces, or stop when ``wanted`` returns False."""
         x = self.signal.x.astype(np.float32)
         rate, at = self.signal.sample_rate, 0
         began, epoch = time.monotonic(), time.time_ns()
@@ -167,7 +167,7 @@ class _Source:
 
 
 def _source(signal: Signal, args: argparse.Namespace) -> _Source:
-    """Return the signal as messages of the type that is asked for."""
+    """Return the signal as messages of the requested type."""
     from bearing_twin.assets.messages import floats, message_header
     from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
     from bearing_twin_msgs.msg import Vibration
@@ -201,7 +201,7 @@ def _source(signal: Signal, args: argparse.Namespace) -> _Source:
             )
         ]
 
-    # An Imu is in m/s^2; what has no unit is taken for it.
+    # An Imu is in m/s^2; a signal without a unit is assumed to be so.
     unit = args.unit or signal.unit or 'm/s^2'
     factor = acceleration_factor(unit)
     if args.kind == 'imu' and not math.isfinite(factor):

@@ -51,7 +51,7 @@ def draw_diagnosis(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
 def draw_calibration(
     found: Calibration, x: NDArray[np.float64], sample_rate: float, path: Path
 ) -> None:
-    """Write machine and twin, and what widths are left possible, to ``path`` (PNG)."""
+    """Write machine and twin, and the distribution of the width, to ``path`` (PNG)."""
     spectrum, turns = beside(found, x, sample_rate)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11, 8), layout='constrained')
@@ -60,7 +60,7 @@ def draw_calibration(
         steps = BAND_HZ, 1.0 / found.situation.sample_rate
         draw_over_each_other(pair, (found.spectrum, spectrum), turns, steps, found.sensor_unit)
         width = found.quantities['defect_width_mm']
-        # Behind the candidates, beyond which it may reach: few of them end too early.
+        # Behind the candidates. It may reach beyond them, since few candidates end too early.
         lower.axvspan(width.q05, width.q95, color='#bbdefb', label='5 to 95 %')
         lower.axvline(width.median, color='#1565c0', dashes=(4, 2), label='median')
         lower.hist(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin recover``: save what is complete in a torn recording."""
+"""``bearing-twin recover``: save the complete messages of a damaged recording."""
 
 from __future__ import annotations
 

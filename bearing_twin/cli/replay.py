@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin replay``: a recording onto ROS again, or offline through twin and diagnosis."""
+"""``bearing-twin replay``: publish a recording, or run it offline through twin and diagnosis."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Replay; status 0 if everything was."""
+    """Replay; return 0 if the whole recording was replayed."""
     if args.offline:
         refuse_given(args, LIVE, 'only a live replay has it; --offline runs all of the recording')
         return _offline(args)
@@ -76,7 +76,7 @@ def _live(args: argparse.Namespace) -> int:
     parameters = {name: getattr(args, name) for name in LIVE}
     parameters |= {'recording': str(args.recording), 'clock_rate': parameters.pop('clock')}
     for name in ('topics', 'remap'):
-        # An empty list has no type to ROS.
+        # ROS cannot tell the type of an empty list.
         parameters[name] = parameters[name] or ['']
     words = ['--ros-args']
     for name, value in parameters.items():
@@ -122,7 +122,7 @@ def _offline(args: argparse.Namespace) -> int:
 
 @contextlib.contextmanager
 def _interrupts() -> Iterator[threading.Event]:
-    """Event that INT and TERM set; a second one interrupts at once."""
+    """Yield an event that SIGINT and SIGTERM set; a second signal interrupts at once."""
     asked = threading.Event()
 
     def ask(number: int, _frame: object) -> None:

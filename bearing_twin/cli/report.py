@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     if output.suffix.lower() not in ('.html', '.htm', '.pdf'):
         msg = f'{output} is not called .html or .pdf; a report never overwrites a recording'
         raise BearingTwinError(msg)
-    # Matplotlib takes a second to load, which a wrong name should not wait for.
+    # Matplotlib takes a second to load; a wrong name is reported before.
     from bearing_twin.view.report.page import report_page
     from bearing_twin.view.report.pdf import pdf_of
 
@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _name(recording: Path) -> str:
-    """Return the name of a recording; the bag of a demo has its folder's."""
+    """Return the name of a recording; a folder called 'bag' has its parent's."""
     if not recording.is_dir():
         return recording.stem
     return recording.parent.name if recording.name == 'bag' else recording.name

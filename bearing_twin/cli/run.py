@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin run NODE``: what ``ros2 run bearing_twin NODE`` does, where there is no ros2."""
+"""``bearing-twin run NODE``: run a node as ``ros2 run bearing_twin NODE`` does, without ros2."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _help(name: str, module: Any) -> str:
-    """Return what a node does and which parameters it has."""
+    """Return the help of a node: its purpose and its parameters."""
     specs: tuple[Spec, ...] = module.SPECS
     if name == 'twin':
         specs = (*specs, *module.PUBLISHING)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What commands on vibration files ask: files, bearing, speed, channel, unit."""
+"""Arguments of commands on vibration files: files, bearing, speed, channel, unit."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
 """Options that describe vibration files."""
 FASTEST = 1e5
-"""Hz."""
+"""Upper limit of the shaft speed, Hz."""
 UNITS = ('m/s^2', 'g')
 
 
@@ -53,7 +53,7 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments that say which files are read, and how."""
+    """Add the arguments for the files and how they are read."""
     parser.add_argument(
         'files',
         nargs='+',
@@ -85,34 +85,34 @@ def given_speed(args: argparse.Namespace) -> float:
 
 
 def channels_of(name: str, channel: str | None) -> list[str | None]:
-    """Channels to diagnose of a file: of a data set those of :func:`chosen_signals`."""
+    """Return the channels of a file; of a data set those of :func:`chosen_signals`."""
     if not is_dataset(Path(name)):
         return [channel]
     return [str(row['signal_id']) for row in chosen_signals(Path(name), channel)]
 
 
 def unread(path: str, reason: str) -> dict[str, Any]:
-    """Answer for a file that cannot be read."""
+    """Return the answer for a file that cannot be read."""
     return {'file': path, 'error': reason if path in reason else f'{path}: {reason}'}
 
 
 def picture_of(folder: Path, name: str, channel: str | None) -> Path:
-    """Picture of a signal, its whole path in the name so that no two collide."""
+    """Return the path of a signal's picture; the name has its whole path, so no two collide."""
     parts = f'{Path(name)}_{channel}' if is_dataset(Path(name)) else str(Path(name))
     return folder / f'{parts.strip("/").replace("/", "_")}.png'
 
 
 def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path) -> list[Path]:
     """
-    Return the recordings or pictures that paths stand for.
+    Return a recording or Rerun file for each path.
 
     A vibration file becomes a recording in ``folder``, with the verdicts of the diagnosis. Options
-    that describe such files are refused where there is none.
+    that describe such files raise an error if there is none.
     """
     if not any(map(_is_signal, paths)):
         kinds = f'{", ".join(SIGNAL_FILES)} and Parquet sets'
         refuse_given(args, SAID, f'for {kinds} only; a recording says it itself')
-    # Files of one name each have a folder for themselves.
+    # Each has a folder of its own, since files may have the same name.
     return [_as_recording(path, args, folder / str(k)) for k, path in enumerate(paths)]
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Colours and progress for a person at a terminal; plain text for everything else."""
+"""Colours and progress on a terminal; plain text everywhere else."""
 
 from __future__ import annotations
 
@@ -23,21 +23,22 @@ if TYPE_CHECKING:
 
 
 TOPIC = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
-"""Names that ROS takes for a topic."""
+"""Valid ROS topic names."""
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
 
 
 def mend_streams() -> None:
     """
-    Let standard output take every name, and have closed streams neither lie nor be mixed up.
+    Make standard output accept every name, and replace closed streams.
 
-    What an encoding (ASCII, Latin-1) does not know is written as an escape. Where standard output
-    is closed, printing fails as on a full disk; where the stream of errors is, they go nowhere.
+    Characters that the encoding (ASCII, Latin-1) does not have are written as escapes. If standard
+    output is closed, printing fails as on a full disk. If standard error is closed, errors are
+    discarded.
     """
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open('w')  # noqa: SIM115
     if sys.stdout is None:
-        # Without a buffer: what it cannot write must not wait for the end.
+        # Without a buffer, so that printing fails at once and not at the end.
         sys.stdout = TextIOWrapper(
             os.fdopen(os.open(os.devnull, os.O_RDONLY), 'wb', buffering=0), write_through=True
         )
@@ -47,11 +48,11 @@ def mend_streams() -> None:
 
 def tell_of_compiling(command: str) -> None:
     """
-    Say on a terminal that kernels are being compiled, if this process has begun to.
+    Report on a terminal that this process is compiling kernels, if it is.
 
-    Without it the first use of a command says nothing for a minute.
+    Otherwise the first use of a command would print nothing for a minute.
     """
-    # Most commands get along without numba; where it takes long to load the module is still empty.
+    # Most commands do not load numba; while it is being loaded the module is empty.
     compiled = sys.modules.get('bearing_twin.numerics.compiled')
     has_compiled = getattr(compiled, 'has_compiled', bool)
     if has_compiled() and sys.stderr.isatty():
@@ -60,7 +61,7 @@ def tell_of_compiling(command: str) -> None:
 
 
 def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> None:
-    """Refuse options that would do nothing; ``why`` ends the sentence after their names."""
+    """Raise if options are given that have no effect; ``why`` follows their names."""
     default = args.parser.get_default
     given = [name for name in options if getattr(args, name) != default(name)]
     if given:
@@ -70,14 +71,14 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
 
 
 def refuse_topic(name: str) -> None:
-    """Refuse a --topic that ROS does not take."""
+    """Raise if a --topic is not a valid ROS name."""
     if not TOPIC.fullmatch(name):
         msg = f'--topic {name!r}: letters, digits, _, parts split by /, e.g. /temperature'
         raise BearingTwinError(msg)
 
 
 def processes(asked: int | None, tasks: int) -> int:
-    """Return how many processes do so many tasks: as asked for, else one a core."""
+    """Return the number of processes for some tasks: as asked for, else one per core."""
     if asked is not None and asked < 1:
         msg = f'--jobs {asked}: at least one process is needed'
         raise BearingTwinError(msg)
@@ -86,7 +87,7 @@ def processes(asked: int | None, tasks: int) -> int:
 
 def wrapped(name: str, text: str) -> list[str]:
     """
-    Return the lines of a row whose text begins behind its name, if it has one, for 80 columns.
+    Return the lines of a row in 80 columns: its name, if it has one, and its indented text.
 
     Examples
     --------
@@ -108,7 +109,7 @@ def wrapped(name: str, text: str) -> list[str]:
 
 
 def lined_up(rows: Iterable[tuple[str, str]]) -> list[str]:
-    """Return the lines of several rows, whose texts begin below each other."""
+    """Return the lines of several rows with aligned texts."""
     rows = list(rows)
     width = max(len(name) for name, _ in rows)
     return [line for name, text in rows for line in wrapped(f'{name:<{width}}', text)]
@@ -116,9 +117,9 @@ def lined_up(rows: Iterable[tuple[str, str]]) -> list[str]:
 
 def by_level(text: str, level: str) -> str:
     """
-    Return a text in the colour of a level, or in 'bold', where standard output is a terminal.
+    Return a text in the colour of a level, or in 'bold', if standard output is a terminal.
 
-    Without colours where NO_COLOR is set (no-color.org).
+    There are no colours if NO_COLOR is set (no-color.org).
     """
     code, refused = _COLOURS.get(level), os.environ.get('NO_COLOR')
     if code is None or refused or os.environ.get('TERM') == 'dumb' or not sys.stdout.isatty():
@@ -127,7 +128,7 @@ def by_level(text: str, level: str) -> str:
 
 
 def shown_inside(value: Any) -> Any:
-    """Return an answer with every text in it as :func:`shown` gives it."""
+    """Return an answer with :func:`shown` applied to each of its texts."""
     if isinstance(value, dict):
         return {key: shown_inside(inner) for key, inner in value.items()}
     if isinstance(value, list):
@@ -137,7 +138,7 @@ def shown_inside(value: Any) -> Any:
 
 def plain(value: Any, digits: int = 17) -> Any:
     """
-    Return an answer as JSON takes it: numbers to so many digits, null for those without a value.
+    Return an answer for JSON: numbers with ``digits`` digits, None for those without a value.
 
     Examples
     --------
@@ -150,24 +151,24 @@ def plain(value: Any, digits: int = 17) -> Any:
     if isinstance(value, (list, tuple)):
         return [plain(inner, digits) for inner in value]
     if isinstance(value, Real) and not isinstance(value, Integral):
-        # Zero is added lest -0.0 be printed.
+        # Adding zero turns -0.0 into 0.0.
         return float(f'{value:.{digits}g}') + 0.0 if math.isfinite(value) else None
     return value
 
 
 def progress(done: int, total: int, what: str = '') -> None:
-    """Say on stderr how far a long job is, where that is a terminal."""
+    """Print the progress of a long job on stderr, if that is a terminal."""
     if total > 1 and sys.stderr.isatty():
         end = '\n' if done >= total else ''
         print(f'\r{done} of {total} {what}\x1b[K', end=end, file=sys.stderr, flush=True)
 
 
 def clear_progress(total: int) -> None:
-    """Take the line of :func:`progress` away, before an answer goes to the same terminal."""
+    """Erase the line of :func:`progress` before an answer goes to the same terminal."""
     if total > 1 and sys.stderr.isatty():
         print('\r\x1b[K', end='', file=sys.stderr, flush=True)
 
 
 def percent(part: float, what: str = '') -> None:
-    """Say on stderr which part of a long job is done, 0 to 1."""
+    """Print the fraction of a long job that is done, 0 to 1, on stderr."""
     print(f'\r{what}{part:4.0%} ', end='\n' if part >= 1.0 else '', file=sys.stderr, flush=True)

@@ -25,7 +25,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compare; status 0 if something of each topic was compared and all of that was identical."""
+    """Compare; return 0 if messages of each topic were compared and all were identical."""
     result = reproduce(find_recording(args.recording))
     if args.json:
         about = {'uncompared': result.uncompared, 'identical': result.identical}
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _summary(result: Reproduction) -> str:
-    """Say in a line what was compared, what was not, and how it came out."""
+    """Return a line on what was compared, what was not, and the result."""
     agreements = result.topics.values()
     if not result.topics:
         return 'NOTHING compared: no twin and no diagnosis was recorded'

@@ -72,7 +72,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show; status 0 once it is shown. Topics that cannot be drawn are named on stderr."""
+    """Show; return 0 once it is shown. Topics that cannot be drawn are named on stderr."""
     if bool(args.live) == bool(args.recordings):
         msg = 'name a recording, or --live for what is running'
         raise BearingTwinError(msg)
@@ -102,7 +102,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _server(text: str) -> str:
-    """Return the URL of the server that is asked for, if something listens there."""
+    """Return the URL of the requested server; raise if nothing listens there."""
     url = live_url(text)
     address = urlsplit(url)
     host, port = address.hostname or '127.0.0.1', address.port or 9876
@@ -118,7 +118,7 @@ def _server(text: str) -> str:
 
 
 def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
-    # What draws takes seconds to load: a server that is not there is told before.
+    # Imported here: it takes seconds to load, and a missing server is reported before.
     from bearing_twin.view.rerun.opening import draw_recordings
 
     paths = as_recordings(args.recordings, args, folder)
@@ -133,13 +133,13 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
         if args.save:
             _copy(pictures[0], args.save)
         return [str(pictures[0])]
-    # The viewer shows the name while it loads, and may have no letters for that of the recording.
+    # A fixed name: the viewer shows it while it loads, and may lack letters of the recording's.
     rrd = folder / 'recording.rrd'
     progress = functools.partial(percent, what='drawing ') if sys.stderr.isatty() else None
     try:
         problems = draw_recordings(paths, rrd, page=args.page, progress=progress)
     except RuntimeError as error:
-        # Rerun's writer has given up: the disk of the temporary folder took no more.
+        # Rerun's writer has failed: the disk of the temporary folder may be full.
         msg = f'the picture cannot be drawn to {folder}: {error}; is that disk full?'
         raise BearingTwinError(msg) from None
     for topic, reason in problems.items():

@@ -33,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Say what to expect of each machine in the file."""
+    """Print the expected vibration and verdicts of each machine in the file."""
     for values in _fits(args.fit):
         try:
             found = Calibration.from_dict(values)
@@ -80,7 +80,7 @@ def _fits(name: str) -> list[dict[str, object]]:
     except (ValueError, RecursionError) as error:
         msg = f'{name} holds no fit ({error}); {remedy}'
         raise BearingTwinError(msg) from None
-    # What several records say together is no machine to run.
+    # The joint result of several records is not a machine to run.
     rows = [row for row in rows if not isinstance(row, dict) or 'files' not in row]
     if not rows or not all(isinstance(row, dict) for row in rows):
         msg = f'{name} holds no fit; {remedy}'

@@ -3,12 +3,13 @@
 """
 ``bearing-twin benchmark``: score the diagnosis on a folder of labelled records.
 
-The folder holds an ``index.json``: ``bearings`` (name to n_elements, element_d_mm, pitch_d_mm,
-contact_deg; where n_elements is null, the geometry of the name most like it is assumed and
-reported apart) and ``records`` (id, dataset, file, label, rpm, bearing_name, which is one of
-``bearings`` or of the catalogue, and, where known, rpm_nominal, fault_mm and a Smith & Randall
-grade). Or it is a data set in the Parquet form of the PyPI package ``bearing-datasets``. Each
-record is judged whole; no record is used to set anything.
+The folder has an ``index.json`` with ``bearings`` and ``records``, or it is a data set in the
+Parquet form of the PyPI package ``bearing-datasets``. Of each bearing the index gives, by name,
+n_elements, element_d_mm, pitch_d_mm and contact_deg; if n_elements is null, the geometry of the
+most similar name is assumed and reported separately. A record has id, dataset, file, label, rpm
+and bearing_name, which is one of ``bearings`` or of the catalogue, and, where known, rpm_nominal,
+fault_mm and a Smith & Randall grade. Records are judged whole and in pieces; no record is used to
+set anything.
 """
 
 from __future__ import annotations
@@ -50,16 +51,16 @@ if TYPE_CHECKING:
 
 
 OUTCOMES = ('correct', 'wrong', 'suspect', 'ambiguous', 'insufficient', 'missed')
-"""Of one piece. A healthy one is ``correct`` if said healthy and ``wrong`` on an alarm."""
+"""Outcomes of a piece. A healthy one is ``correct`` if called healthy, ``wrong`` on an alarm."""
 
 WINDOWS = (0.0, 1.0, 2.0, 4.0)
 """Lengths of the pieces, s; 0: the whole record."""
 
 PIECES = 3
-"""Pieces taken from the beginning of a record, at each length."""
+"""Most pieces taken from the beginning of a record, at each length."""
 
 NOMINAL_TOLERANCE = 0.05
-"""Tolerance of a nominal speed; the measured one has the default."""
+"""Tolerance of a nominal speed; a measured one has the default tolerance."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +91,7 @@ class Piece:
     result: str
     faults: tuple[str, ...]
     kind: str
-    """Kind of answer to which the confidence belongs; '' where there is none."""
+    """Kind of answer to which the confidence belongs; '' if there is none."""
     confidence: float
     groups: tuple[tuple[str, str], ...]
     """(kind of group, name), e.g. ``('grade', 'Y1')``."""
@@ -113,7 +114,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def read_cases(folder: Path) -> list[Case]:
     """
-    Labelled records of a folder; those without a label of ours are left out.
+    Return the labelled records of a folder; those with other labels are left out.
 
     Raises
     ------
@@ -163,7 +164,7 @@ def _case(
 ) -> Case:
     name, dataset = record['bearing_name'], record['dataset']
     if name in unknown and bearings:
-        # A geometry that nobody published is replaced by its namesake's, and reported apart.
+        # An unpublished geometry is replaced by that of a similar name, and reported separately.
         close = difflib.get_close_matches(name, bearings, n=1, cutoff=0.0)
         bearing = bearings[close[0]]
         dataset = f'{dataset} (geometry assumed)'
@@ -196,7 +197,7 @@ def _of_catalogue(name: str, record: str, bearings: dict[str, Bearing]) -> Beari
 
 
 def _cases_of_dataset(folder: Path) -> list[Case]:
-    """Signals of a data set that have one fault of ours or none, a speed and a known bearing."""
+    """Return the signals that have a known fault or none, a speed and a known bearing."""
     cases, without = [], Counter[str]()
     for row in dataset_signals(folder):
         label, name = fault_label(row), str(row['signal_id'])
@@ -233,7 +234,7 @@ def _cases_of_dataset(folder: Path) -> list[Case]:
 
 
 def judge(label: str, diagnosis: Diagnosis) -> str:
-    """Outcome of a diagnosis: wrong if it names a fault that is not there, whatever else."""
+    """Return the outcome of a diagnosis; ``wrong`` if it names a fault that is not there."""
     if diagnosis.result == 'insufficient':
         return 'insufficient'
     if label == 'healthy':
@@ -247,10 +248,10 @@ def judge(label: str, diagnosis: Diagnosis) -> str:
 
 
 def score_case(case: Case, full: bool = False) -> list[Piece]:
-    """Outcomes of all pieces of a record."""
+    """Return the outcomes of all pieces of a record."""
     signal = read_signal(Path(case.path), channel=case.channel)
     groups = [('data set', case.dataset), ('class', f'{case.dataset} {case.label}')]
-    # The record's own grade comes last: as JSON a piece has one group of a kind.
+    # The record's own grade comes last, since JSON keeps the last group of a kind.
     if case.grade in ('Y1', 'Y2'):
         groups.append(('grade', 'Y1 and Y2 together'))
     groups += [('grade', f'{case.dataset} {case.grade}')] if case.grade else []
@@ -284,7 +285,7 @@ def score_case(case: Case, full: bool = False) -> list[Piece]:
 
 
 def score_misled(case: Case) -> list[tuple[str, bool, str, bool]]:
-    """Verdicts on a record with wrong bearings and wrong speeds."""
+    """Return the verdicts on a record with wrong bearings and wrong speeds."""
     signal = read_signal(Path(case.path), channel=case.channel)
     return judge_misled(case.name, case.label, case.bearing, signal, case.speeds[0][1])
 
@@ -297,7 +298,7 @@ def run(args: argparse.Namespace) -> int:
         raise BearingTwinError(msg)
     if args.misled:
         refuse_given(args, ('json', 'full', 'summary'), 'not with --misled, which has one table')
-    # Compiled or loaded once, where it is told of; each process would do it anew.
+    # Compiled or loaded once, where it is reported; else each process would do it again.
     warm_up()
     with ProcessPoolExecutor(processes(args.jobs, len(cases))) as pool:
         if args.misled:
@@ -339,7 +340,7 @@ def _length(window: float) -> str:
 
 
 def _summary(pieces: list[Piece]) -> None:
-    """Print the outcomes by length of the pieces, and how far the confidence holds."""
+    """Print the outcomes by length of the pieces, and the calibration of the confidence."""
     rows = []
     for speed, window in product(('measured', 'nominal'), WINDOWS):
         part = [p for p in pieces if p.window == window and p.speed == speed]
@@ -370,7 +371,7 @@ def _label(piece: Piece) -> str:
 
 
 def _confidence_rows(pieces: list[Piece]) -> Iterator[tuple[object, ...]]:
-    """Yield per kind of answer how far the confidence holds; all answers count alike."""
+    """Yield the calibration of the confidence by kind of answer; all answers have one weight."""
     told = [(p, _right(p)) for p in pieces if p.kind]
     for kind in (*KINDS, 'all'):
         part = [(p.confidence, right) for p, right in told if kind in (p.kind, 'all')]

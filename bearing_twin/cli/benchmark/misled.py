@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 
 COUNT = 12
-"""Other bearings that are tried on a record."""
+"""Number of other bearings that are tried on a record."""
 
 
 OFF = (-0.05, -0.03, 0.03, 0.05)
-"""Relative errors of the speed, with none stated."""
+"""Relative errors of the given speed, without a stated tolerance."""
 
 SECONDS = 10.0
-"""Most that is judged of a record."""
+"""Longest part of a record that is judged, s."""
 
 ANSWERS = ('the damaged place', 'another place', 'suspect', 'ambiguous', 'insufficient', 'healthy')
 
@@ -38,7 +38,7 @@ Judged = tuple[str, bool, str, bool]
 
 
 def others(record: str, bearing: Bearing) -> Iterator[Bearing]:
-    """Bearings of the catalogue that are not in the machine, for a record the same each time."""
+    """Yield catalogue bearings other than the machine's, the same for a record each time."""
     known = list(catalogue().values())
     order = np.random.default_rng(zlib.crc32(record.encode())).permutation(len(known))
     yield from islice((known[i] for i in order if is_another(known[i], bearing)), COUNT)
@@ -47,7 +47,7 @@ def others(record: str, bearing: Bearing) -> Iterator[Bearing]:
 def judge_misled(
     record: str, label: str, bearing: Bearing, signal: Signal, shaft_hz: float
 ) -> list[Judged]:
-    """Verdicts on a record with other bearings, and with the right one at other speeds."""
+    """Return the verdicts on a record with other bearings, and with its own at other speeds."""
     x = signal.x[: int(SECONDS * signal.sample_rate)]
     trials = [('wrong bearing', other, shaft_hz) for other in others(record, bearing)]
     trials += [('speed 3 and 5 % off', bearing, shaft_hz * (1.0 + off)) for off in OFF]
@@ -62,7 +62,7 @@ def judge_misled(
 
 
 def misled_rows(judged: Iterable[Judged]) -> list[tuple[object, ...]]:
-    """Rows of the table: trial, machine, verdicts, each answer as a share, alarms."""
+    """Return the rows of the table: trial, machine, verdicts, each answer as a share, alarms."""
     told: dict[tuple[str, bool], Counter[str]] = {}
     for trial, damaged, answer, alarm in judged:
         count = told.setdefault((trial, damaged), Counter())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The impact amplitude over temperature in a run of the demo, beside the paper's statement."""
+"""Impact amplitude over temperature in a demo run, beside the paper's statement."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 
 STEP = 10.0
-"""Width of a bar of temperature, K: the distance of the paper's nodes."""
+"""Width of a temperature class, K: the distance of the paper's nodes."""
 
 
 class AmplitudeByTemperature:
     """
-    Collects one maximum a ball that passes, with the temperature at which it passed.
+    Collect one maximum per ball passage, with its temperature.
 
-    Blocks and states come in any order; a few numbers are kept of each.
+    Blocks and states may come in any order; only a few numbers of each are kept.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class AmplitudeByTemperature:
         return {t: mean_of_largest(np.concatenate(bars[t])) for t in sorted(bars)}
 
     def change(self) -> float:
-        """Relative change from the coldest to the hottest third of the range; NaN without one."""
+        """Return the relative change from coldest to hottest third; NaN if they are too close."""
         points = [(self._states[first][0], maxima) for first, maxima in self._maxima.items()]
         temperatures = np.array([temperature for temperature, _ in points])
         if not points or np.ptp(temperatures) < STEP:

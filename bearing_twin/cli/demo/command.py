@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 PRESET = 'paper'
 SLOWEST, FASTEST = 0.001, 1e6
 START_TIMEOUT = 300.0
-"""Longest time to come up: a slow machine that is busy compiles the kernel for minutes, s."""
+"""Time limit for the start, s: a slow machine that is busy compiles kernels for minutes."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def make_folder(out: Path) -> Path:
-    """Make a folder of its own for a run."""
+    """Make a new folder for a run."""
     folder = free_path(out / f'demo-{datetime.now():%Y%m%d-%H%M%S}')
     try:
         folder.mkdir(parents=True)
@@ -98,7 +98,7 @@ def _choose_domain(asked: int | None) -> AbstractContextManager[int]:
 
 
 def shipped_schedule() -> Path:
-    """Return the paper's schedule, from the working tree or from where it is installed."""
+    """Return the path of the paper's schedule, in the working tree or where it is installed."""
     for folder in (Path(__file__).parents[3], *shared_folders('bearing_twin')):
         path = folder / 'recordings' / 'paper_schedule.mcap'
         if path.exists():
@@ -122,14 +122,14 @@ def _run_nodes(
         nodes.start('recorder', recorder)
         nodes.start('diagnosis', {'bearing': '6307'})
         watcher.wait_for_listeners(2, nodes.check, START_TIMEOUT)
-        # The recorder and the diagnosis: so that nothing is published before they hear it.
+        # Recorder and diagnosis: nothing is published before both listen.
         twin = {'bearing': '6307', 'preset': PRESET, 'defect': args.defect}
         twin['wait_for_subscribers'] = 2
         nodes.start('twin', twin)
         log, said = folder / 'logs' / 'twin.log', args.json
 
         def check() -> None:
-            """Look whether all still run; say once that the twin compiles, at its first start."""
+            """Check that all nodes run; report once that the twin compiles, at its first start."""
             nonlocal said
             nodes.check()
             if not said and COMPILING in log.read_text(errors='replace'):
@@ -147,7 +147,7 @@ def _run_nodes(
                 raise BearingTwinError(msg)
             watcher.show(1.0, quiet=args.json)
             nodes.check()
-        # The twin first, so that the others get all it sent; the recorder last.
+        # The twin ends first, so that the others get all that it has sent; the recorder last.
         for name in ('twin', 'diagnosis', 'recorder'):
             watcher.show(1.0, quiet=args.json)
             nodes.end(name)

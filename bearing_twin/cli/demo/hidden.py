@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Second part of the demo: a machine whose defect nobody is told, fitted and then followed."""
+"""Second part of the demo: a machine with a hidden defect is fitted and then followed."""
 
 from __future__ import annotations
 
@@ -21,31 +21,31 @@ HIDDEN = {
     'load': 150.0, 'defect': 'inner', 'defect_width': 1e-3 * WIDTH_MM, 'seed': 5,
     'resonance_hz': 3000.0, 'resonance_damping': 0.01,
 }  # fmt: skip
-"""The machine: a twin too, with another load and sensor than the one that follows."""
+"""Parameters of the machine: a twin with another load and sensor than the one that follows."""
 KNOWN = ('bearing', 'shaft_hz', 'start_temperature')
-"""What the others are told of it."""
+"""Parameters of the machine that the other nodes are given."""
 TIMEOUT = 300.0
 
 
 @dataclass(frozen=True)
 class Found:
-    """What became of it."""
+    """Results on the hidden machine."""
 
     place: str
-    """Defect by the diagnosis."""
+    """Place of the defect by the diagnosis."""
     confidence: float
     statement: str
-    """By the calibration."""
+    """Statement of the calibration."""
     width_q05: float
-    """mm."""
+    """5 % quantile of the width by the calibration, mm."""
     width_median: float
     width_q95: float
     width_hidden: float
     followed: str
-    """What the twin says that has taken the calibration."""
+    """Status of the twin that has taken the calibration."""
 
     def to_text(self) -> str:
-        """Return a few lines."""
+        """Return the results as a few lines."""
         rows = (
             ('machine', f'{HIDDEN["bearing"]} with a defect that no other node is told'),
             ('diagnosis', f'{self.place}, confidence {self.confidence:.2f}'),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The table at the end of the demo, read back from the recording that the run has left."""
+"""Table at the end of the demo, read from the recording of the run."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LEVEL_FAULT = 2
 
 @dataclass(frozen=True)
 class Summary:
-    """What the run has shown."""
+    """Results of a demo run."""
 
     temperature_low: float
     temperature_high: float
@@ -38,17 +38,17 @@ class Summary:
     amplitude_by_temperature: dict[float, float]
     """Impact amplitude, m/s^2, by temperature, degC."""
     amplitude_change: float
-    """From the coldest to the hottest third; the paper states that it falls."""
+    """Relative change from coldest to hottest third; the paper states a decrease."""
     result: str
     verdicts: dict[str, int]
     false_alarms: int
-    """Verdicts at level FAULT that named a family that the twin does not have."""
+    """Verdicts at level FAULT that name a place where the twin has no defect."""
     confidence: float
     fault_hz: float
     fault_hz_expected: float
-    """By the diagnosis, without slip."""
+    """Frequency expected by the diagnosis, without slip."""
     fault_hz_twin: float
-    """By the twin, with its slip; NaN without a fault."""
+    """Frequency of the twin, with its slip; NaN without a fault."""
     blocks_published: int
     blocks_recorded: int
     blocks_late: int
@@ -56,7 +56,7 @@ class Summary:
     samples_lost_by_diagnosis: int
     samples_lost_by_recorder: int
     sent_before_recorder: int
-    """Messages that the recorder was too late for."""
+    """Messages sent before the recorder listened."""
     lateness_max_ms: float
     files: dict[str, int]
     open_with: str
@@ -112,7 +112,7 @@ class Summary:
 
 
 def summarise(folder: Path, defect: str, preset: str) -> Summary:
-    """Read the run back; a recording without twin state or verdict is refused."""
+    """Return the summary of a run; raise if it has no twin state or no verdict."""
     low, high, worst = float('inf'), float('-inf'), 0.0
     state: Any = None
     verdict: Any = None
@@ -185,7 +185,7 @@ def summarise(folder: Path, defect: str, preset: str) -> Summary:
 
 
 def _command() -> str:
-    """Return our command as it can be typed here."""
+    """Return ``bearing-twin`` as it can be typed here."""
     found = shutil.which('bearing-twin')
     beside = Path(sys.executable).parent / 'bearing-twin'
     if found or not beside.exists():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the demo shows while it runs: one line a second, heard over ROS like anybody else."""
+"""Progress of the demo: one line a second, from the topics of the nodes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Watcher:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave it."""
+        """Leave the ROS domain."""
         self._executor.shutdown()
         self._node.destroy_node()
         self._context.shutdown()
@@ -47,13 +47,13 @@ class Watcher:
         self._verdict = message
 
     def hear(self, kind: Any, topic: str, take: Callable[[Any], None]) -> None:
-        """Hand the messages of a topic of results to ``take``."""
+        """Call ``take`` with each message of a topic of results."""
         self._node.create_subscription(kind, topic, take, RESULT)
 
     def wait_for_listeners(
         self, count: int, check: Callable[[], None], timeout: float, topic: str = 'vibration'
     ) -> None:
-        """Wait until ``count`` nodes listen to the vibration."""
+        """Wait until ``count`` nodes listen to a topic."""
         self.wait(lambda: self._node.count_subscribers(topic) >= count, check, timeout)
 
     def wait_for_vibration(self, check: Callable[[], None], timeout: float) -> None:
@@ -67,7 +67,7 @@ class Watcher:
         timeout: float,
         what: str = 'the nodes did not come up',
     ) -> None:
-        """Listen until ``ready`` returns something; ``what`` says what was waited for."""
+        """Listen until ``ready`` returns something true; at the timeout, ``what`` is the error."""
         deadline = time.monotonic() + timeout
         while not ready():
             check()
@@ -90,6 +90,6 @@ class Watcher:
         line = f'{state.temperature_used:6.1f} degC  beta0 {state.beta0:.4f}'
         if verdict is not None:
             line += f'  |  {verdict.result_name:<12} confidence {verdict.confidence:.2f}'
-        # What is left of a longer line before is erased.
+        # The rest of a longer line before is erased.
         end_of_line = '\x1b[K\r' if sys.stdout.isatty() else '\n'
         print(line, end=end_of_line, flush=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin diagnose``: verdicts on vibration files; of one file all that it rests on."""
+"""``bearing-twin diagnose``: verdicts on vibration files, on a single file with all evidence."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose the files; 0 only if every file could be read."""
+    """Diagnose the files; return 0 only if every file could be read."""
     if args.channels:
         return _list_channels(args)
     if args.series:
@@ -133,7 +133,7 @@ def _list_channels(args: argparse.Namespace) -> int:
 
 
 def _tasks(args: argparse.Namespace) -> list[Task]:
-    """Return what is to be done; of a data set one task a signal."""
+    """Return a task for each file, or for each signal of a data set."""
     bearing = given_bearing(args)
     settings = DiagnosisSettings(power_group=args.power_group, mounting=args.mounting)
     if args.speed_tolerance is not None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The verdict on one file and all that it rests on, as ``bearing-twin diagnose`` gives it."""
+"""Verdict and evidence on one file, as ``bearing-twin diagnose`` gives them."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 
 DIGITS = 7
-"""Of the numbers in an answer."""
+"""Significant digits of the numbers in an answer."""
 
 
 def diagnose_file(task: Task) -> dict[str, Any]:
     """
-    Answer for one file; never raises for what is in the file.
+    Return the answer for one file; nothing in the file raises an error.
 
-    What cannot be read has no verdict: its answer is ``file`` and ``error``.
+    A file that cannot be read has no verdict: its answer is ``file`` and ``error``.
     """
     try:
         signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
@@ -84,7 +84,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
 
 
 def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return what a verdict rests on, as plain numbers; unknown ones are None."""
+    """Return the evidence of a verdict as plain numbers; unknown ones are None."""
     found: dict[str, Any] = plain(
         {
             'fault_code': diagnosis.fault_code,

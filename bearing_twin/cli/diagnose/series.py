@@ -30,7 +30,7 @@ LONGEST_CYCLE = quantities(DiagnosisSettings)['series_cycle'][1].high or math.in
 
 
 def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
-    """Judge the files as one series; 0 if every file could be read."""
+    """Judge the files as one series; return 0 if every file could be read."""
     files = series_files([Path(name) for name in args.files])
     if args.cycle is not None and not 0.0 < args.cycle <= LONGEST_CYCLE:
         msg = f'--cycle {args.cycle:g}: give a time above 0 s and up to {LONGEST_CYCLE:g} s'
@@ -127,7 +127,7 @@ def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
 
 
 def _looked_for(bearing: Bearing | None, speeds: list[float]) -> list[tuple[str, str]]:
-    """Rows of the speed, and of the orders and frequencies of the bearing."""
+    """Return rows of the speed, and of orders and frequencies of the bearing."""
     known = [hertz for hertz in speeds if hertz > 0.0]
     if not known:
         return [('speed', 'unknown: give --rpm')]
@@ -147,7 +147,7 @@ def _looked_for(bearing: Bearing | None, speeds: list[float]) -> list[tuple[str,
 
 
 def _to_do(report: SeriesReport) -> str:
-    """Say what to do next."""
+    """Return the next step."""
     unknown = report.level == 'fault' and not report.place
     step = next_step(report.result, int(report.level == 'fault'), urgent=unknown)
     return step[0].upper() + step[1:]

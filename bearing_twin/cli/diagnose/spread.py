@@ -23,21 +23,21 @@ if TYPE_CHECKING:
 
 
 MOST_AT_ONCE = 16
-"""Most files of one task of Dask; answers come as often."""
+"""Most files of one task of Dask; their answers arrive together."""
 
 
 def answers(
     tasks: Sequence[Task], *, jobs: int | None = None, dask: str = ''
 ) -> Iterator[dict[str, Any]]:
     """
-    Return the answers in the order of the tasks, whoever has worked them out.
+    Return the answers in the order of the tasks.
 
-    These are ``jobs`` processes, or the workers of the Dask cluster whose scheduler has the
-    address ``dask``. One that is not installed or does not answer is an error.
+    Files are diagnosed by ``jobs`` processes, or by the workers of the Dask cluster whose
+    scheduler has the address ``dask``. It is an error if Dask is not installed or does not answer.
     """
     if dask:
         return _on_dask(tasks, dask)
-    # Imported after that: who gives files to a cluster diagnoses none.
+    # Imported only here: with a cluster, this process diagnoses no file.
     from bearing_twin.cli.diagnose.file import diagnose_file
 
     jobs = processes(jobs, len(tasks))
@@ -49,13 +49,13 @@ def answers(
 def _on_cores(diagnose: _Diagnose, tasks: Sequence[Task], jobs: int) -> Iterator[dict[str, Any]]:
     from bearing_twin.diagnosis.warming import warm_up
 
-    # Compiled or loaded once, where it is told of; each process would do it anew.
+    # Compiled or loaded once, where it is reported; else each process would do it again.
     warm_up()
     with ProcessPoolExecutor(jobs) as pool:
         futures = [pool.submit(diagnose, task) for task in tasks]
         for task, future in zip(tasks, futures, strict=True):
             killed = isinstance(future.exception(), BrokenProcessPool)
-            # Which file it was shows when each has a process of its own.
+            # A process for each file shows which one was the cause.
             yield _alone(diagnose, task) if killed else future.result()
 
 
@@ -82,16 +82,16 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
         raise BearingTwinError(msg) from None
     with client:
         parts = batches(tasks, max(1, sum(client.nthreads().values())))
-        # A worker that dies takes no file with it: the scheduler gives its files to another.
+        # If a worker dies, the scheduler gives its files to another one.
         futures = deque(client.map(_diagnose_files, parts, pure=False, retries=3))
         for part in parts:
-            # A worker keeps answers for as long as there is a future of them.
+            # A worker keeps the answers as long as their future exists.
             future = futures.popleft()
             failure = future.exception()
             if failure is None:
                 yield from future.result()
                 continue
-            # Which file it was shows when each is a task of its own.
+            # A task for each file shows which one was the cause.
             alone = client.map(_diagnose_files, [[task] for task in part], pure=False, retries=3)
             for task, single in zip(part, alone, strict=True):
                 reason = single.exception()
@@ -102,9 +102,9 @@ def batches(tasks: Sequence[Task], workers: int) -> list[Sequence[Task]]:
     """
     Return the tasks in parts that get smaller, so that no worker waits long at the end.
 
-    Dask spends as long on a part as a short file takes, so that several files are one. A part is
-    half of a worker's share of what is left, rounded up (guided self-scheduling, Polychronopoulos
-    and Kuck 1987).
+    Dask's overhead for a part is as long as a short file takes, so that a part has several files:
+    half of a worker's share of the rest, rounded up (guided self-scheduling, Polychronopoulos and
+    Kuck 1987), at most ``MOST_AT_ONCE``.
 
     >>> [len(part) for part in batches(range(50), 2)]
     [13, 10, 7, 5, 4, 3, 2, 2, 1, 1, 1, 1]
@@ -122,6 +122,6 @@ def batches(tasks: Sequence[Task], workers: int) -> list[Sequence[Task]]:
 def _diagnose_files(tasks: Sequence[Task]) -> list[dict[str, Any]]:
     from bearing_twin.cli.diagnose.file import diagnose_file
 
-    # Dask has its workers give all that they free back to the system at once.
+    # Dask makes its workers return freed memory to the system at once.
     keep_freed_memory()
     return [diagnose_file(task) for task in tasks]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 CARD = 'card'
-"""Key of an answer's rows for a person, which no program needs."""
+"""Key of an answer's rows for people, which are not in its JSON."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A diagnosis as a person reads it: what was found, where, how sure, and what to do next."""
+"""Diagnosis as text: fault, place, confidence and next step."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ORDERS = {family.key: family.label for family in FAMILIES}
 
 
 def card(message: Any) -> list[list[str]]:
-    """Return the rows of a Diagnosis message, as the report has them, and why it is so."""
+    """Return the rows of a Diagnosis message as in the report, with the reasons."""
     *rows, step = facts(message)
     rows += measured(message)
     if (given := message.shaft_hz_given) > 0.0:
@@ -28,7 +28,7 @@ def card(message: Any) -> list[list[str]]:
 
 
 def line(answer: dict[str, Any]) -> str:
-    """One of many files: a line, and why below it."""
+    """Return a line for one of many files, with the reasons below it."""
     name = f'{answer["file"]}, {answer["channel"]}' if answer['channel'] else answer['file']
     sure = f'{answer["confidence"]:.2f} {answer["claim"]}'.strip()
     text = f'{name}: {_verdict(answer)}, confidence {sure}'
@@ -38,7 +38,7 @@ def line(answer: dict[str, Any]) -> str:
 
 
 def page(answer: dict[str, Any]) -> str:
-    """Return everything that a person asks of one file, the evidence at the end."""
+    """Return the full text for a single file, with the evidence at the end."""
     rows = [('Verdict', _verdict(answer)), ('Bearing', answer['bearing']), *answer[CARD]]
     lines = [by_level(answer['source'], 'bold'), *lined_up(rows), *_table(answer)]
     evidence = answer['evidence']
@@ -63,7 +63,7 @@ def _table(answer: dict[str, Any]) -> list[str]:
     if shaft_hz is None or any(value is None for value in evidence['expected_hz'].values()):
         return []
     frequencies = FaultFrequencies(**evidence['expected_hz'])
-    # In a row of 80 columns.
+    # The rows fit 80 columns.
     rows = [
         '',
         '              expected       clearest comb         off  signifi- index',
