@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Many bearings in the lanes of vector registers."""
+"""Fleet: many bearings in the lanes of vector registers."""

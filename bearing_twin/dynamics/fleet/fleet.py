@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Many bearings in one call, each with its own parameters, temperature, speed and seed."""
+"""Fleet: simulation of many bearings, each with its own parameters, temperature, speed, seed."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _SAVED = Envelope(b'BFleet\x00\x07', struct.Struct('<dQIII'), 'a fleet')
 @dataclass(frozen=True, kw_only=True)
 class FleetBlock:
     """
-    Housing accelerations of all bearings.
+    Block of housing accelerations of all bearings.
 
     Examples
     --------
@@ -56,32 +56,33 @@ class FleetBlock:
     first_sample: int
     """Running index of the first sample."""
     x: npt.NDArray[np.float32]
-    """Horizontal, m/s^2, shape (bearings, n)."""
+    """Horizontal acceleration, m/s^2, shape (bearings, n)."""
     y: npt.NDArray[np.float32]
-    """Vertical, m/s^2, shape (bearings, n)."""
+    """Vertical acceleration, m/s^2, shape (bearings, n)."""
 
 
 class Fleet:
     """
-    Advances many bearings in step, in single precision, with the physics of `Simulator`.
+    Simulate many bearings together, in single precision, with the physics of `Simulator`.
 
     With the same parameters and seed a bearing of a fleet and a `Simulator` agree to some 0.1 % at
-    usual speeds and to a third at the fastest: its steps are not parted at kinks (see
-    docs/realtime.md). The random numbers are the same. Splitting a block or saving and loading in
-    between changes no bit while the inputs are held.
+    usual speeds; at the highest speeds they differ by up to a third, because a fleet does not
+    split steps at kinks (see docs/realtime.md). The random numbers are the same. With constant
+    inputs, splitting a block or saving and loading in between changes no bit.
 
     Parameters
     ----------
     parameters : sequence of TwinParameters
-        One set a bearing.
+        One set per bearing.
     sample_rate
         Output rate of all bearings, Hz, 2000 to 204800.
     seeds
-        One seed a bearing; None: 0, 1, 2, ...
+        One seed per bearing; None: 0, 1, 2, ...
     temperatures, shaft_hz
-        Values at the start, one a bearing or one for all, degC and Hz.
+        Initial values, degC and Hz, one per bearing or one for all.
     threads
-        Cores that share the bearings, sixteen at a time. No bit depends on it.
+        Number of threads that share the bearings, in groups of sixteen. Results do not depend on
+        it.
 
     Examples
     --------
@@ -131,22 +132,22 @@ class Fleet:
         self._shares = list(pairwise(edges))
         self._rooms = [lanes.room() for _ in self._shares]
         self._pool = ThreadPoolExecutor(len(self._shares)) if len(self._shares) > 1 else None
-        self._tick_all(self._temperatures[:0], self._shaft_hz[:0])  # compiled before it is needed
+        self._tick_all(self._temperatures[:0], self._shaft_hz[:0])  # compile before the first use
 
     def __len__(self) -> int:
         return len(self._parameters)
 
     @property
     def parameters(self) -> tuple[TwinParameters, ...]:
-        """Parameters in force, one set a bearing."""
+        """Parameters in use, one set per bearing."""
         return tuple(self._parameters)
 
     def advance(self, n: int, temperatures: npt.ArrayLike, shaft_hz: npt.ArrayLike) -> FleetBlock:
         """
-        Advance all by ``n`` samples while temperatures and speeds go to the values given.
+        Advance all by ``n`` samples while temperatures and speeds change to the values given.
 
-        ``n`` is 1 to 2^20 samples; temperatures, degC, and speeds, Hz, are those at the end of the
-        block, one a bearing or one for all.
+        ``n`` is 1 to 2^20. Temperatures, degC, and speeds, Hz, hold at the end of the block, one
+        per bearing or one for all.
         """
         if not 1 <= n <= 1 << 20:
             msg = f'block of {n} samples is outside 1..{1 << 20}'
@@ -182,7 +183,7 @@ class Fleet:
         return FleetBlock(first_sample=first, x=out[0, :size], y=out[1, :size])
 
     def _advance_shares(self, ramp: FloatArray, outs: list[Array], begin: int, count: int) -> None:
-        """Advance all groups, each thread its share; kernels let other threads run."""
+        """Advance all groups, distributed over the threads; kernels release the GIL."""
         lanes = self._lanes
 
         def advance(share: tuple[int, int], room: Array, out: Array) -> None:
@@ -198,7 +199,7 @@ class Fleet:
         list(spread(advance, self._shares, self._rooms, outs))
 
     def of_bearing(self, block: FleetBlock, index: int) -> Block:
-        """Return one bearing of the latest block; its condition is known until the next one."""
+        """Return one bearing of the latest block; read its condition before the next `advance`."""
         return Block(
             first_sample=block.first_sample,
             x=block.x[index],
@@ -218,7 +219,7 @@ class Fleet:
         return condition(lanes.equations(index, self._parameters[index]), seen)
 
     def _inputs(self, index: int | slice) -> FloatArray:
-        """Return the inputs of the equations of some bearings at the next sample."""
+        """Return the inputs of the equations at the next sample, of one or several bearings."""
         lanes = self._lanes
         left = np.minimum(self.next_sample - lanes.faded[index], 0)
         behind = lanes.fade[index] * left[..., None]
@@ -228,11 +229,10 @@ class Fleet:
 
     def reconfigure(self, index: int, parameters: TwinParameters) -> None:
         """
-        Change the parameters of one bearing while running; its state is carried on.
+        Change the parameters of one bearing while running; its state continues.
 
-        What is there at once and what within 0.16 s, see `Simulator.reconfigure`. The inner
-        ring's temperature is carried on as well if the mode stays physical. Parameters that are
-        refused change nothing.
+        Changes take effect as in `Simulator.reconfigure`. The inner ring temperature continues if
+        the mode remains physical. If the parameters are refused, nothing changes.
         """
         self._check_index(index)
         if parameters.bearing.n_balls > self._lanes.most_balls:
@@ -247,7 +247,7 @@ class Fleet:
         self._lanes.survey(self._parameters)
 
     def settle(self, index: int, temperature: float) -> None:
-        """Take ``temperature``, degC, of one bearing as one it has had; `Simulator.settle`."""
+        """Set an inner ring to its steady state at ``temperature``; see `Simulator.settle`."""
         simulator = self.extract(index)
         simulator.settle(temperature)
         self._temperatures[index] = simulator.temperature
@@ -255,21 +255,21 @@ class Fleet:
 
     def extract(self, index: int) -> Simulator:
         """
-        Return one bearing as a simulator: its motion, phases, temperatures and sample index.
+        Return one bearing as a simulator with its motion, phases, temperatures and sample index.
 
-        The filters' memory, some ms, is not carried over.
+        The filter states, some ms of signal, are not included.
         """
         self._check_index(index)
         return self._simulator(index, self._parameters[index], self._inputs(index))
 
     def place(self, index: int, simulator: Simulator) -> None:
         """
-        Let one bearing go on from where a simulator is; the fleet's sample index runs on.
+        Let one bearing continue from the state of a simulator; the fleet's sample index stays.
 
         Raises
         ------
         BearingTwinError
-            If its parameters or sample rate are not those of this bearing.
+            If parameters or sample rate of the simulator differ from those of this bearing.
 
         """
         self._check_index(index)
@@ -287,7 +287,7 @@ class Fleet:
         self._lanes.fill_filters(index, simulator)
 
     def _simulator(self, index: int, parameters: TwinParameters, inputs: FloatArray) -> Simulator:
-        """Return one bearing with these parameters; the rings' temperatures go with the mode."""
+        """Return one bearing with these parameters; ring temperatures continue if physical."""
         lanes = self._lanes
         carried = parameters.thermal_mode == 'physical' and not math.isnan(lanes.rings[index, 0])
         simulator = self._fresh(index, parameters, lanes.seed(index))
@@ -308,7 +308,7 @@ class Fleet:
         )
 
     def save(self) -> bytes:
-        """Return the complete state of all bearings; it belongs to their parameters."""
+        """Return the complete state of all bearings, without their parameters."""
         body = b''.join(
             part.astype(part.dtype.newbyteorder('<')).tobytes() for part in self._state()
         )
@@ -371,7 +371,7 @@ class Fleet:
             self._lanes.place(index, self._simulator(index, p, inputs[index]))
 
     def _state(self) -> list[Array]:
-        """Arrays that a saved state consists of."""
+        """Return the arrays of a saved state."""
         lanes = self._lanes
         carried = [*lanes.state(), self._temperatures, self._shaft_hz, lanes.groups['seed']]
         return [self._inputs(slice(None)), *carried]
@@ -387,7 +387,7 @@ class Fleet:
     def _checked(
         self, name: str, given: npt.ArrayLike, check: Callable[[float], float]
     ) -> FloatArray:
-        """One value a bearing, checked; idle lanes repeat the last one."""
+        """Return one validated value per lane; idle lanes repeat the last bearing."""
         values = np.asarray(given, dtype=float)
         size = len(self._parameters)
         if values.ndim and values.shape != (size,):
@@ -398,7 +398,7 @@ class Fleet:
         padded[size:] = padded[size - 1]
         index = 0
         try:
-            for index in (int(padded.argmin()), int(padded.argmax())):  # NaN is both
+            for index in (int(padded.argmin()), int(padded.argmax())):  # both find a NaN
                 check(float(padded[index]))
         except BearingTwinError as error:
             which = f'bearing {min(index, size - 1)}: ' if values.ndim else ''
@@ -420,7 +420,7 @@ def _evaluate_changed(
     speed: FloatArray,
     values: FloatArray,
 ) -> None:
-    """Evaluate the laws where temperature or speed changed."""
+    """Evaluate the coefficients of bearings whose temperature or speed has changed."""
     for i in range(constants.shape[0]):
         if outer[i] != was_outer[i] or speed[i] != was_speed[i]:
             coefficients.evaluate(constants[i : i + 1], outer[i], outer[i], speed[i], values[i])

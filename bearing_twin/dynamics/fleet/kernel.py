@@ -3,13 +3,12 @@
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Compiled kernel of sixteen bearings side by side, in single precision.
+Compiled kernel of a group of sixteen bearings in vector lanes, in single precision.
 
-The laws of `model`, the scheme and the random numbers of the single bearing, with the bearings in
-the lanes of the vector unit. Phases are kept in double precision between grid points and relative
-to them in between, so a fleet does not drift. Speeds are constant between two grid points (1.25 ms
-at 25.6 kHz). `layout` has the records, `kinematics` what is prescribed, `motion`
-the integrator, `signal` what is published.
+Laws, scheme and random numbers are those of the single bearing. Phases at grid points are in
+double precision, and steps between are relative to them, so a fleet does not drift. Speeds are
+constant between two grid points (1.25 ms at 25.6 kHz). The records are in `layout`, the prescribed
+kinematics in `kinematics`, the integrator in `motion` and sensor and decimation in `signal`.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ Array = npt.NDArray[Any]
 
 def room_size(oversample: int, memory: int) -> int:
     """
-    Numbers that the kernel needs to work in; ``memory`` is that of the decimator's phases.
+    Return the length of the work array; ``memory`` is the state length of a decimator phase.
 
     Examples
     --------
@@ -46,9 +45,10 @@ def room_size(oversample: int, memory: int) -> int:
 @compiled()
 def _inputs(ramp, drift, fade, faded, lane, n, at, first, since_tick, oversample):
     """
-    Return the inputs of a group at a grid point, ``at`` samples into the block; growth per step.
+    Return the inputs of a group at a grid point, ``at`` samples into the block, and their growth.
 
-    ``lane`` is its first bearing, ``first`` the index of the block's first sample.
+    The growth is per step. ``lane`` is the first bearing of the group, ``first`` the index of the
+    first sample of the block.
     """
     inputs, growth = np.empty((INPUTS, L)), np.empty((INPUTS, L))
     for q in range(INPUTS):
@@ -97,22 +97,21 @@ def advance_all(
     surfaces
         float32[bearings, numbers]: see `waviness.Surfaces`.
     history
-        float32[groups, oversample, (t - 1) * 2 * L]: memory of the decimator.
+        float32[groups, oversample, (t - 1) * 2 * L]: states of the decimators.
     ramp, drift, fade, faded
         float64[2, bearings, 7], float64[bearings, 2, 7], float64[bearings, 7], int64[bearings]:
         inputs, as for a single bearing.
     taps
-        float32[oversample * t]: the decimator by the place of an internal sample within an output
-        sample; t is a multiple of `signal.TAPS`.
+        float32[oversample * t]: the decimator in polyphase form; t is a multiple of `signal.TAPS`.
     first, since_tick
         Index of the first output sample; output samples since the last thermal tick.
     oversample, h
         Internal steps per output sample; internal step, s.
     room
-        float32[room_size(oversample, (t - 1) * 2 * L)]: to work in.
+        float32[room_size(oversample, (t - 1) * 2 * L)]: work array.
     out, begin, n
-        float32[2, bearings, samples]: acceleration of the sensors, m/s^2; where in it the first
-        sample stands; samples.
+        float32[2, bearings, samples]: acceleration of the sensors, m/s^2; index in it of the first
+        sample; number of samples.
 
     """
     memory = history.shape[2]

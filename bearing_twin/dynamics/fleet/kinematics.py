@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiled functions take records; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
-"""Prescribed kinematics of a group of a fleet: shafts and cages turn, defects pass."""
+"""Prescribed kinematics of a group of a fleet: rotation and passage of the defects."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from bearing_twin.numerics.vector import (
 import numpy as np
 
 _NOWHERE = 1e4
-"""Number of no slot."""
+"""Slot number that no slot has."""
 _STANDING = 1e-12
-"""Way along a defect within a step, m, that is none."""
+"""Negligible motion along a defect within a step, m; avoids a division by zero."""
 _F = np.float32
 _HALF = _F(0.5)
 _TWO_PI = 2.0 * math.pi
@@ -39,14 +39,14 @@ _TWO_PI = 2.0 * math.pi
 
 @compiled(inline=True)
 def first_slot(cage: float, n_balls: float, load: float) -> float:
-    """Ball of slot 0, at a cage angle and a direction of the load in turns."""
+    """Return the ball in slot 0 for a cage angle and a direction of the load, both in turns."""
     before = math.floor((load - cage) * n_balls)
     return before - n_balls * math.floor(before / n_balls)
 
 
 @compiled(inline=True)
 def _negative_number(ball, first, n_balls):
-    """Negative number of the slot of a ball, where ``first`` is the ball of slot 0."""
+    """Return the negative slot number of a ball; ``first`` is the ball in slot 0."""
     number = ball - first
     number += n_balls if number < 0.0 else 0.0
     return n_balls - number if 2.0 * number > n_balls else -number
@@ -55,9 +55,9 @@ def _negative_number(ball, first, n_balls):
 @compiled(inline=True, fast=FAST)
 def open_gap(group, spall, now, factor):
     """
-    Find which slot a spall has under it, what it takes from the contact and at what rate.
+    Find the slot under a spall, the depth of the ball in it, m, and its rate, m/s.
 
-    Returns whether in any lane an edge where the path jumps is passed about now.
+    Returns whether any lane passes an edge at which the path jumps during this step.
     """
     passed = load(spall.passed, 0) + now * load(spall.growth, 0)
     nearest = floor(passed + _HALF)
@@ -66,7 +66,7 @@ def open_gap(group, spall, now, factor):
     slot = load(spall.fixed, 0) + load(spall.on_race, 0) * beyond
     there = (slot >= load(spall.low, 0)) & (load(spall.high, 0) >= slot)
     store(spall.slot, 0, chosen(there, slot, splat(_F(_NOWHERE))))
-    # A spall of a ball meets the races by turns, many of them up to the next grid point.
+    # A spall on a ball meets both races alternately, several times before the next grid point.
     odd = nearest - _F(2.0) * floor(nearest * _HALF) == _F(1.0)
     curvature = chosen(odd, load(spall.odd, 0), load(spall.even, 0))
     profile, half, depth = load(spall.profile, 0), load(spall.half, 0), load(spall.depth, 0)
@@ -75,7 +75,7 @@ def open_gap(group, spall, now, factor):
     share, parted = splat(_F(1.0)), False
     jumps = profile == _F(RECTANGLE)
     if any_of(jumps):
-        # How much of the step about now is inside.
+        # Fraction of the step centred at ``now`` that lies inside the defect.
         step = magnitude(load(spall.growth, 0) * load(spall.metres, 0)) + _F(_STANDING)
         inside = (half - magnitude(along)) / step + _HALF
         inside = chosen(inside > _F(1.0), splat(_F(1.0)), inside)
@@ -106,10 +106,10 @@ def _sines(turns):
 @compiled(fast=FAST)
 def grid_point(group, inputs, growth, index, within, steps, h):
     """
-    Set everything that is constant or linear up to the next grid point.
+    Set all values that are constant or linear up to the next grid point.
 
-    ``inputs`` (INPUTS, L) are those at the grid point, ``growth`` theirs per step. Speeds are
-    taken at the middle of the ``steps`` up to the next grid point.
+    ``inputs`` (INPUTS, L) hold at the grid point; ``growth`` is their growth per step. Speeds are
+    those in the middle of the ``steps`` up to the next grid point.
     """
     g = group
     store(g.walk, 0, normal_pairs(index, WALK, load(g.seed, 0))[0])
@@ -124,7 +124,7 @@ def grid_point(group, inputs, growth, index, within, steps, h):
         slip = inputs[SLIP, i] + 0.5 * steps * growth[SLIP, i]
         walk = g.jitter[i] * g.walk[i]
         carried = hz * (1.0 - slip)
-        # A quick ramp that begins late in a chunk is below zero in its middle.
+        # A fast ramp that begins late in a chunk extrapolates below zero in its middle.
         turning = g.ftf_order[i] * carried + walk * math.sqrt(abs(hz))
         rolling = g.spin_order[i] / g.ftf_order[i] * turning
         g.turning[i], g.omega[i] = _TWO_PI * turning, _TWO_PI * hz
@@ -152,11 +152,12 @@ def grid_point(group, inputs, growth, index, within, steps, h):
 @compiled(fast=FAST, borrows=True)
 def place_waves(group, stride, h, begins, starts):
     """
-    Find where the balls are on the tables of `waviness` at the grid point.
+    Find the positions of the balls in the tables of `waviness` at the grid point.
 
-    ``stride`` numbers are those of a lane. ``begins``, int64[slots, 3, L], takes where the tables
-    of outer race, inner race and ball begin; ``starts``, float32[11, L], for each of them the
-    node under slot 0, the nodes per step and in all, then how many lie between slots of a race.
+    ``stride`` is the table length of a lane. ``begins``, int64[slots, 3, L], receives the first
+    indices of the tables of outer race, inner race and ball. ``starts``, float32[11, L], receives
+    for each of the three the node under slot 0, the nodes per step and the number of nodes, then
+    the nodes between two slots for both races.
     """
     g = group
     for i in range(L):
@@ -171,7 +172,7 @@ def place_waves(group, stride, h, begins, starts):
         starts[3, i] = h * g.cage_hz[i] * outer
         starts[4, i] = h * (g.cage_hz[i] - g.shaft_hz[i]) * inner
         starts[5, i] = h * g.spin_hz[i] / SPIN_TURNS * track
-        # Perfect surfaces have one node, of zero.
+        # Perfect surfaces have one node with a gap of zero.
         starts[6, i], starts[7, i], starts[8, i] = max(outer, 1), max(inner, 1), max(track, 1)
         starts[9, i], starts[10, i] = outer / n, inner / n
         row = i * stride + 2
@@ -188,10 +189,11 @@ def place_waves(group, stride, h, begins, starts):
 @compiled(fast=FAST, borrows=True)
 def look_up_waves(tables, begins, starts, h, first_step, last_step, slots, waves):
     """
-    Fill ``waves`` with what waviness takes from the contacts, m, and at what rate, m/s.
+    Fill ``waves`` with the gaps due to waviness, m, and their rates, m/s.
 
-    In ``slots`` (the first, the one after the last), at every `WAVE_STEPS` steps after the grid
-    point, about those from ``first_step`` to ``last_step``. ``tables`` are those of all lanes.
+    They are computed for ``slots`` (first, last + 1), every `WAVE_STEPS` steps from the grid
+    point, so that the steps from ``first_step`` to ``last_step`` are covered. ``tables`` are those
+    of all lanes.
     """
     begin, end = first_step // WAVE_STEPS, (last_step - 1) // WAVE_STEPS + 2
     room, firsts, into = starts.reshape(-1), begins.reshape(-1), waves.reshape(-1)
@@ -220,7 +222,7 @@ def look_up_waves(tables, begins, starts, h, first_step, last_step, slots, waves
 
 @compiled(inline=True)
 def _small_sines(angle):
-    """Cosine and sine of an angle up to 0.07 rad."""
+    """Cosine and sine of an angle of at most 0.07 rad."""
     square = angle * angle
     c = 1.0 - square * (0.5 - square / 24.0)
     return c, angle * (1.0 - square * (1.0 / 6.0 - square / 120.0))
@@ -228,7 +230,7 @@ def _small_sines(angle):
 
 @compiled()
 def wrap_phases(group, seconds):
-    """Let the phases go on to the next grid point, ``seconds`` after the last one."""
+    """Advance the phases by ``seconds`` to the next grid point and wrap them."""
     g = group
     for i in range(L):
         cage = g.cage[i] + seconds * g.cage_hz[i]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The arrays of a fleet, and one bearing put into its lane of them or taken out."""
+"""Arrays of a fleet, and transfer of a bearing to and from its lane."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
 _PHASES = {'cage': 1.0, 'shaft': 1.0, 'spin': layout.SPIN_TURNS}
-"""Turns after which each begins anew."""
+"""Period of each phase, turns."""
 
 
 class Lanes:
     """
-    What the kernel works on: groups of `layout.L` bearings, a lane each.
+    Arrays of the kernel: groups of `vector.L` bearings, one lane per bearing.
 
     Idle lanes of the last group repeat the last bearing.
 
@@ -57,7 +57,7 @@ class Lanes:
         groups = -(-len(parameters) // L)
         self.size = groups * L
         self.most_balls = max(p.bearing.n_balls for p in parameters)
-        # The kernel looks at the directions of two slots beyond the last.
+        # The kernel reads the directions of two slots beyond the last.
         slots = self.most_balls + 2
         self.groups = aligned((groups,), fl.GROUP)
         self.balls = aligned((groups, slots, fl.BALL_ROWS, L), np.float32)
@@ -71,7 +71,7 @@ class Lanes:
         self.fade = np.zeros((self.size, coefficients.INPUTS))
         self.faded = np.zeros(self.size, np.int64)
         self.marks = np.zeros((self.size, 2), np.int64)
-        # The decimator by the place of an internal sample within an output sample.
+        # Polyphase form of the decimator: one phase per internal sample of an output sample.
         taps = filters.decimator(self.oversample)
         padded = np.concatenate([np.zeros(self.oversample - 1), taps])
         self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
@@ -80,11 +80,11 @@ class Lanes:
         self._memory = memory
 
     def room(self) -> Array:
-        """Return what one thread of the kernel works in."""
+        """Return the work array of one thread."""
         return aligned((room_size(self.oversample, self._memory),), np.float32)
 
     def survey(self, parameters: Sequence[TwinParameters]) -> None:
-        """Find what the kernel has to do for each group."""
+        """Set the most balls and spalls of each group, and whether it has waviness."""
         for number, group in enumerate(self.groups):
             members = parameters[number * L : (number + 1) * L]
             group['balls_in'] = max(member.bearing.n_balls for member in members)
@@ -92,7 +92,7 @@ class Lanes:
             group['wavy'] = any(member.waviness for member in members)
 
     def motion(self, index: int, next_sample: int) -> Array:
-        """State of one bearing as `layout.STATE`, before its `kernel.start`."""
+        """Return the state of one bearing as `layout.STATE`, before its `kernel.start`."""
         number, lane = divmod(index, L)
         group, state = self.groups[number], np.zeros(1, layout.STATE)
         for name in 'qvaj':
@@ -106,22 +106,22 @@ class Lanes:
         return state
 
     def seed(self, index: int) -> int:
-        """Seed of one bearing."""
+        """Return the seed of one bearing."""
         number, lane = divmod(index, L)
         return int(self.groups[number]['seed'][lane])
 
     def fill_filters(self, index: int, simulator: Simulator) -> None:
-        """Take over the sensor and the memory of the decimator of one bearing."""
+        """Copy the states of sensor and decimator of a simulator to one lane."""
         number, lane = divmod(index, L)
         self.groups[number]['sensor'][:, lane] = simulator.state['sensor'][0]
-        # By the place of an internal sample within an output sample, as the taps.
+        # In polyphase form, as the taps.
         padding = np.zeros((2, self.oversample - 1))
         internal = np.concatenate([padding, simulator.history], axis=1)
         memory = self.history[number].reshape(self.oversample, -1, 2, L)
         memory[..., lane] = internal.reshape(2, -1, self.oversample).T
 
     def place(self, index: int, simulator: Simulator) -> None:
-        """Put one bearing into its lane; the filters' memory stays."""
+        """Copy a simulator to one lane, except its filter states."""
         number, lane = divmod(index, L)
         group, tables, state = self.groups[number], simulator.tables, simulator.state[0]
         m = tables.machines[0]
@@ -157,7 +157,7 @@ class Lanes:
         self.marks[index] = simulator.marks
 
     def roll_on(self, index: int, surfaces: Surfaces) -> None:
-        """Take over the surfaces of one bearing."""
+        """Copy the surfaces of one bearing to its lane."""
         number, lane = divmod(index, L)
         group, table = self.groups[number], surfaces.table
         missing = len(table) - self.surfaces.shape[1]
@@ -172,7 +172,7 @@ class Lanes:
         self._equations.pop(index, None)
 
     def equations(self, index: int, parameters: TwinParameters) -> Equations:
-        """One bearing, of these parameters, as compiled code for single bearings takes it."""
+        """Return the `Equations` of one bearing, for compiled functions of a single bearing."""
         if index not in self._equations:
             tables = self._tables[index]
             tables = tables._replace(surfaces=tables.surfaces._replace(table=self.surfaces[index]))
@@ -181,7 +181,7 @@ class Lanes:
         return self._equations[index]
 
     def state(self) -> list[Array]:
-        """Motion, phases, decimators, inner rings, what still fades and whose it is, as views."""
+        """Return motion, phases, decimator states, inner rings, fades and checksums, as views."""
         singles, doubles = (
             self.groups.view(kind).reshape(len(self.groups), -1)[:, part]
             for kind, part in zip((np.float32, np.float64), fl.CARRIED, strict=True)
@@ -190,14 +190,14 @@ class Lanes:
         return [*carried, self.fade, self.faded, self.marks]
 
     def set_state(self, parts: Sequence[Array]) -> None:
-        """Take over what :meth:`state` returned."""
+        """Set the arrays that :meth:`state` returns."""
         for mine, given in zip(self.state(), parts, strict=True):
             mine[...] = given
 
 
 def _sensor_rows(p: TwinParameters, step: float) -> tuple[FloatArray, ...]:
-    """Return the coefficients of both states at the end of a step, and of what is read then."""
-    # The kernel has the jerk itself.
+    """Return the coefficients of both sensor states and of its output at the end of a step."""
+    # `filters.resonator` takes the jerk times the step, the kernel the jerk itself.
     scales = np.array([1.0, 1.0, 1.0, step, 1.0, step])
     to_z, to_w = scales * filters.resonator(p.resonance_hz, p.resonance_damping, step, 1)[:2]
     read = (-1.0, -2.0 * p.resonance_damping, 0.0) if p.resonance_hz else (0.0, 0.0, 1.0)
@@ -205,7 +205,7 @@ def _sensor_rows(p: TwinParameters, step: float) -> tuple[FloatArray, ...]:
 
 
 def _slots(n_balls: int, slots: int) -> FloatArray:
-    """Directions and negative numbers of the slots of a lane, see `layout`."""
+    """Return directions and negative numbers of the slots of a lane, see `layout`."""
     numbers = np.array([(k + 1) // 2 if k % 2 else -(k // 2) for k in range(slots)])
     angles = 2.0 * math.pi * numbers / n_balls
     rows = np.stack([np.cos(angles), np.sin(angles), -numbers], axis=1)
@@ -214,7 +214,7 @@ def _slots(n_balls: int, slots: int) -> FloatArray:
 
 
 def _spall(defect: Any, machine: Any) -> dict[str, float]:
-    """Fields of one spall of a lane; None for a slot that is not used."""
+    """Return the fields of one spall of a lane; ``defect`` is None if there is none."""
     unused = dict.fromkeys(fl.SPALL.names or (), 0.0)
     unused |= {'ball': -1.0, 'only': -1.0, 'half': -1.0}
     if defect is None:
@@ -224,7 +224,7 @@ def _spall(defect: Any, machine: Any) -> dict[str, float]:
     radius = machine['inner_radius' if on_inner else 'outer_radius']
     metres = 0.5 * math.pi * machine['d_ball'] if on_ball else 2.0 * math.pi * radius / n_balls
     even = defect['inner_curvature' if on_ball or on_inner else 'outer_curvature']
-    # An outer spall and a worn pocket follow the cage alone.
+    # The position of an outer race spall or a worn pocket depends on the cage alone.
     return unused | {
         'scale': 2.0 if on_ball else n_balls,
         'metres': metres,

@@ -3,10 +3,10 @@
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Integrator of a group of a fleet: Hermite's scheme of order 4 with the laws of `model`.
+Integrator of a group of a fleet: fourth-order Hermite scheme with the laws of `model`.
 
-All lanes take every branch, so the contact is written with selections. Balls that cannot be loaded
-in any lane are passed over: mostly the half on the side away from the load.
+All lanes take every branch, so the contact uses selections. Balls that cannot be loaded in any
+lane are skipped; these are mostly the half opposite the load.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ _Machine = namedtuple(
     'inner_light inner_stiffness inner_damping outer_light outer_stiffness_x outer_stiffness_y '
     'outer_damping_x outer_damping_y',
 )
-"""What `model.ring_motion` takes of `layout.MACHINE`, in lanes."""
+"""Fields of `layout.MACHINE` that `model.ring_motion` needs, in lanes."""
 _Drive = namedtuple('_Drive', 'foot_x foot_y pull_x pull_y pull_rate_x pull_rate_y')
-"""What it takes of `layout.STEP`, in lanes."""
+"""Fields of `layout.STEP` that it needs, in lanes."""
 
 
 class _Waves(NamedTuple):
-    """What waviness takes from the contacts, between two instants at which it is known."""
+    """Gaps due to waviness at two instants, for interpolation between them."""
 
     wavy: Any
     rows: Any
@@ -50,12 +50,13 @@ class _Waves(NamedTuple):
     begin: Any
     stride: Any
     share: Any
-    """How far the step is between both, 0 to 1."""
+    """Position of the step between the instants, 0 to 1."""
     seconds: Any
+    """Time between the instants, s."""
 
 
 Surfaces = namedtuple('Surfaces', 'tables begins starts waves')
-"""What `look_up_waves` takes."""
+"""Arguments of `look_up_waves`."""
 
 
 @compiled(inline=True, fast=FAST)
@@ -81,7 +82,7 @@ def _machine(group):
 
 @compiled(inline=True, fast=FAST)
 def _drive(group, now, c, s):
-    """Unbalance and foot of the spring at step ``now``, with the shaft at (c, s)."""
+    """Return unbalance and spring foot at step ``now``, with the shaft direction (c, s)."""
     omega, pull = load(group.omega, 0), load(group.pull, 0)
     px, py = pull * c, pull * s
     return _Drive(
@@ -97,8 +98,8 @@ def _at(group, which, now):
 
 @compiled(inline=True, fast=FAST)
 def _few_are_enough(group, slots, few, c0, s0, x, y, gap):
-    """Whether no ball from slot ``few`` on touches: the next on each side are the nearest."""
-    # In the load's frame.
+    """Whether no ball from slot ``few`` on is in contact; the next on each side are nearest."""
+    # Rotation to the load's frame.
     up_x, up_y = load(group.up_x, 0), load(group.up_y, 0)
     c0, s0 = up_y * c0 - up_x * s0, up_x * c0 + up_y * s0
     x, y = up_y * x - up_x * y, up_x * x + up_y * y
@@ -106,14 +107,14 @@ def _few_are_enough(group, slots, few, c0, s0, x, y, gap):
     low = s0 * load(slots, left) + c0 * load(slots, left + 1)
     high = s0 * load(slots, right) + c0 * load(slots, right + 1)
     least = chosen(low > high, high, low)
-    # The sine of all others is at least that, their cosine at most one.
+    # The other balls have at least this sine, and a cosine of at most one.
     reach = chosen(y > _ZERO, y, y * least)
     return not any_of(magnitude(x) + reach > gap)
 
 
 @compiled(inline=True, fast=FAST)
 def _wave(waves, slot):
-    """Gap that waviness opens in a slot, m, and its rate, m/s: the cubic through both instants."""
+    """Return gap due to waviness in a slot, m, and its rate, m/s, by cubic interpolation."""
     row = waves.begin + 2 * slot
     here, rate = load(waves.rows, row), load(waves.rows, row + 1)
     row += waves.stride
@@ -129,9 +130,9 @@ def _wave(waves, slot):
 @compiled(inline=True, fast=FAST)
 def _balls_force(group, slots, waves, parted, n_balls, c0, s0, gap, k_b, q, v, a):
     """
-    Force of the balls on the outer ring, N, and its rate, N/s.
+    Return the force of the balls on the outer ring, N, and its rate, N/s.
 
-    Where steps are ``parted`` by an edge, the mean of the forces on both sides of it.
+    If an edge lies within a step (``parted``), the force is the weighted mean of both sides.
     """
     turning = load(group.turning, 0)
     x, y, vx, vy = q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3]
@@ -171,7 +172,7 @@ def _balls_force(group, slots, waves, parted, n_balls, c0, s0, gap, k_b, q, v, a
 
 @compiled(inline=True, fast=FAST)
 def _pressed(delta, closing, speed, acceleration, contact):
-    """Return `model.contact_force` where it acts, else zero."""
+    """Return `model.contact_force` where the ball is loaded, else zero."""
     zero = splat(_ZERO)
     touches = delta > zero
     force, rate = contact_force(
@@ -184,15 +185,15 @@ def _pressed(delta, closing, speed, acceleration, contact):
 @compiled(fast=FAST, borrows=True)
 def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, stride):
     """
-    Advance a group by ``count`` output samples, from ``first`` of the chunk on.
+    Advance a group by ``count`` output samples, from sample ``first`` of the chunk on.
 
-    Writes the sensors to ``raw``: two rows a sample, from row ``begin`` on, the internal samples
-    of an output sample ``stride`` rows apart.
+    Writes the sensor samples to ``raw`` from row ``begin`` on: two rows per sample, and a distance
+    of ``stride`` rows between the internal samples of an output sample.
     """
     g, n_balls = group, group.balls_in
     few = min(2 * ((n_balls + 3) // 4), n_balls)
-    # The slots follow the load from grid point to grid point. The few take half of the balls, so
-    # that within a quarter of a turn no other one comes under it.
+    # Slots are assigned to balls at grid points. The first ``few`` hold half of the balls, so that
+    # no other ball comes under the load within a quarter of a cage turn.
     if any_of(magnitude(load(g.turning, 0)) > _F(0.5 * math.pi / (CHUNK * oversample * h))):
         few = n_balls
     tables, begins, starts, waves = surfaces

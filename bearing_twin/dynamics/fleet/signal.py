@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiled functions take tuples and arrays of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
-"""From the housings of a group of a fleet to what is published: sensors, noise, decimation."""
+"""Sensors, noise and decimation of a group of a fleet."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ROW, _LANES = np.uint64(2 * L), np.uint64(L)
 
 @compiled(inline=True, fast=FAST)
 def _weigh(row, z, v, a, j, a1, j1):
-    """One row of the sensor's table; see `filters.resonator`."""
+    """Apply one row of the sensor table; see `filters.resonator`."""
     return (
         (load(row, 0) * z + load(row, 1) * v)
         + (load(row, 2) * a + load(row, 3) * j)
@@ -29,7 +29,7 @@ def _weigh(row, z, v, a, j, a1, j1):
 
 @compiled(inline=True, fast=FAST)
 def sense(group, z, v, a, j, a1, j1):
-    """Sensor along one axis of the housing: both states at the end of a step, what it reads."""
+    """Return both states of one sensor axis at the end of a step, and its output."""
     z, v = _weigh(group.to_z, z, v, a, j, a1, j1), _weigh(group.to_w, z, v, a, j, a1, j1)
     read = group.read
     return z, v, load(read, 0) * z + load(read, 1) * v + load(read, 2) * a1
@@ -37,7 +37,7 @@ def sense(group, z, v, a, j, a1, j1):
 
 @compiled(fast=FAST, borrows=True)
 def _some_taps(tile, raw, begin, taps, first, rows):
-    """Add `TAPS` taps to ``rows`` rows, which stay in registers meanwhile."""
+    """Apply `TAPS` taps, which stay in registers, to ``rows`` rows."""
     t0, t1, t2 = splat(taps[first]), splat(taps[first + 1]), splat(taps[first + 2])
     t3, t4, t5 = splat(taps[first + 3]), splat(taps[first + 4]), splat(taps[first + 5])
     t6, t7, t8 = splat(taps[first + 6]), splat(taps[first + 7]), splat(taps[first + 8])
@@ -62,15 +62,15 @@ def _noise(tile, group, first, count):
 
 @compiled(fast=FAST, borrows=True)
 def copy(to, begin, source, first, rows):
-    """Copy rows; within one array forward, to where they were read before."""
+    """Copy rows; within one array only towards its beginning."""
     for i in range(rows):
         store(to, begin + i, load(source, first + i))
 
 
 @compiled(fast=FAST, borrows=True)
 def hand_out(tile, out, lane, begin, count):
-    """Copy ``count`` samples to the rows of ``out`` from ``lane`` on, from ``begin`` on."""
-    # Unsigned: an index that might be negative is looked at each time.
+    """Copy ``count`` samples to ``out``, from row ``lane`` and sample ``begin`` on."""
+    # Unsigned, because each index that might be negative is checked.
     lane, begin = np.uint64(lane), np.uint64(begin)
     for axis in range(np.uint64(2)):
         for i in range(_LANES):
@@ -81,10 +81,10 @@ def hand_out(tile, out, lane, begin, count):
 @compiled()
 def decimate(tile, raw, taps, oversample, group, first, count):
     """
-    Fill ``tile`` with ``count`` output samples: the sensors' noise and the decimated signal.
+    Fill ``tile`` with ``count`` output samples: sensor noise plus the decimated signal.
 
-    ``raw`` holds the internal samples by their place within an output sample (polyphase), so that
-    a tap is the same shift for all output samples.
+    ``raw`` holds the internal samples in polyphase order, so that a tap is the same shift for all
+    output samples.
     """
     _noise(tile, group, first, count)
     stride = raw.shape[0] // oversample // L

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the twin knows about its bearing at one instant."""
+"""Condition of the twin's bearing at one instant."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ FloatArray = npt.NDArray[np.float64]
 _TWO_PI = 2.0 * math.pi
 MOTION = STATE.itemsize // 8
 VALUES = MOTION + INPUTS
-"""Where the inputs, and the values of `evaluate`, begin in what was seen."""
+"""Index of the first input, and of the first value of `evaluate`, in ``seen``."""
 SEEN = VALUES + CONDITION_SIZE + 1
-"""Numbers from which a condition is put together, see :func:`condition`."""
+"""Length of ``seen``, from which :func:`condition` computes a condition."""
 _fault_orders = compiled()(fault_orders)
 _pressure_of = compiled()(pressure_of)
 _which_limits = compiled()(which_limits)
@@ -59,7 +59,7 @@ _which_limits = compiled()(which_limits)
 
 class Condition(NamedTuple):
     """
-    State of the twin at the end of a block; NaN where the thermal mode has no such value.
+    State of the twin at the end of a block; NaN if the thermal mode has no such value.
 
     Examples
     --------
@@ -83,10 +83,10 @@ class Condition(NamedTuple):
     c_d: float
     """Greatest defect depth in use, the paper's C_d, m; 0 without a defect."""
     radial_clearance: float
-    """Half the radial internal clearance that the equations use, m."""
+    """Radial clearance in the equations, half the radial internal clearance, m."""
     thermal_clearance: float
-    """What the ring temperatures leave of it, m. Outside `network.clearance_limits`, where the
-    model does not hold, the equations go on with the nearest limit. They follow a quick change of
+    """Radial clearance at the ring temperatures, m. Outside `network.clearance_limits`, where the
+    model does not hold, the equations use the nearest limit. They follow a quick change of
     temperature within 0.2 s."""
     slip: float
     """Cage slip, dimensionless."""
@@ -95,16 +95,17 @@ class Condition(NamedTuple):
     outer_ring_temperature: float
     """degC."""
     viscosity: float
-    """Kinematic viscosity at the rings' mean temperature, m^2/s."""
+    """Kinematic viscosity at the mean ring temperature, m^2/s."""
     kappa: float
     """Viscosity ratio of ISO 281."""
     friction_moment: float
-    """N m; a preload is taken for the load of `life.equivalent_load`, the least that it adds."""
+    """Friction moment, N m. A preloaded bearing has the load of `life.equivalent_load`, a lower
+    bound of the effect of the preload."""
     life_hours: float
-    """Modified rating life L10mh of ISO 281, h, under that load; NaN where a limit is passed at
-    which it ends."""
+    """Modified rating life L10mh of ISO 281 under `life.equivalent_load`, h; NaN outside the
+    limits of the standard."""
     contact_pressure: float
-    """Of the hardest pressed ball of a sound bearing at rest, Pa."""
+    """Contact pressure of the most loaded ball of a healthy bearing at rest, Pa."""
     shaft_hz: float
     """Shaft speed, Hz."""
     bpfo: float
@@ -116,36 +117,36 @@ class Condition(NamedTuple):
     ftf: float
     """Expected cage frequency, slip included, Hz."""
     shaft_angle: float
-    """rad, 0 to 2 pi, from +x."""
+    """Angle of the shaft from +x, rad, 0 to 2 pi."""
     cage_angle: float
-    """rad, 0 to 2 pi, position of ball 0 from +x."""
+    """Angle of ball 0 from +x, rad, 0 to 2 pi."""
     ball_angle: float
-    """rad, 0 to 2 pi, spin of the balls."""
+    """Spin angle of the balls, rad, 0 to 2 pi."""
     inner_x: float
-    """Displacement of the inner ring against the outer ring, m."""
+    """Horizontal displacement of the inner ring relative to the outer ring, m."""
     inner_y: float
-    """m."""
+    """Vertical displacement, m."""
     limits_passed: Limit
-    """Limits of model and life that are passed."""
+    """Limits of model and life that are exceeded."""
     warnings: tuple[str, ...]
-    """A sentence for each of them."""
+    """One sentence per limit."""
     ball_force: npt.NDArray[np.float32]
     """Radial contact force of each ball, N."""
 
 
 def condition(equations: Equations, seen: FloatArray) -> Condition:
     """
-    Put together the condition from what was seen of a bearing at one instant.
+    Compute the condition from the numbers recorded of a bearing at one instant.
 
     Parameters
     ----------
     equations
         The bearing.
     seen : float64[SEEN]
-        Its state of motion, a record `layout.STATE` as numbers; the inputs of the equations, which
-        follow a quick change of temperature within a tick of `inner_ring`; the values of
-        `coefficients.evaluate` with the outer ring's temperature for both; and the temperature of
-        the inner ring, degC.
+        State of motion, a record `layout.STATE` as numbers; inputs of the equations, which follow
+        a quick change of temperature within a tick of `inner_ring`; values of
+        `coefficients.evaluate` with both rings at the outer ring temperature; inner ring
+        temperature, degC.
 
     Examples
     --------
@@ -162,10 +163,10 @@ def condition(equations: Equations, seen: FloatArray) -> Condition:
 @compiled()
 def _observed(equations: Any, seen: FloatArray) -> Any:
     """
-    Work out all but the sentences in one call.
+    Compute everything except the sentences in one call.
 
-    Returns the numbers of a `Condition` in its order, those of a `Strain`, the limits that it
-    passes, and the forces of all balls. A named tuple would be given back more slowly.
+    Returns the numbers of a `Condition` and of a `Strain` in their order, the exceeded limits as
+    bits, and the forces of all balls. Plain tuples are returned faster than named ones.
     """
     c, state = equations.constants[0], seen[:MOTION].view(STATE)
     inputs, of = seen[MOTION:VALUES], seen[VALUES:-1].copy()
@@ -173,7 +174,7 @@ def _observed(equations: Any, seen: FloatArray) -> Any:
         at_rings(c, of[OUTER], seen[-1], of[SHAFT_HZ], of)
     held = of[CLEARANCE]
     of[:INPUTS] = inputs
-    # The contact angle makes the ball's force larger than its radial part.
+    # With a contact angle the contact force exceeds its radial component.
     pressed = heaviest(equations.constants, of) / c.cosine
     inner, outer = equations.contacts
     pressure = max(_pressure_of(pressed, inner), _pressure_of(pressed, outer))

@@ -3,25 +3,24 @@
 # Compiled functions take tuples and records of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-The integrator: Hermite's scheme of order 4, with smaller steps about what is not smooth.
+Integrator: fourth-order Hermite scheme, with smaller steps where the force is not smooth.
 
 The scheme (Makino and Aarseth, Publ. Astron. Soc. Japan 1992, 44, 141) needs the force and its
-time derivative once a step where Runge-Kutta needs the force four times; the derivative costs
-little beside the square root that both share. The snap at the end of a step, which the corrector
-implies, makes the next step's predictor one order better. Corrector and next predictor are one
-sum each, whose other terms are known before the force is.
+time derivative once per step; Runge-Kutta needs the force four times. The derivative costs little,
+since both share a square root. The corrector also gives the snap at the end of a step, which
+raises the order of the next predictor by one. Corrector and next predictor are one sum each; the
+other terms are computed before the force.
 
-Nearly all the error of such a scheme comes from a few instants at which the force is not smooth: a
-ball meets or leaves the races, or rolls over a kink of its path through a defect. So a step
+Nearly all error of such a scheme comes from a few instants at which the force is not smooth: a
+ball gains or loses contact, or rolls over a kink of its path through a defect. Therefore a step is
+split
 
-- in which a loaded ball passes a kink is parted there (kinks are known beforehand),
-- in which a ball becomes loaded or unloaded is parted at that instant, found on the predictor,
-- soon after the one and before the other is parted into pieces of at most half the time of
-  contact, since the force begins and ends as the power 1.5 of that time,
-  which is that of `model.contact_law`.
+- at a kink that a loaded ball passes (kinks are known beforehand),
+- at the instant at which a ball becomes loaded or unloaded, which is found on the predictor,
+- shortly after and before such an instant, into pieces of at most half the time to or since it:
+  the force begins and ends with the power 1.5 of that time, as in `model.contact_law`.
 
-Steps end at the samples of a fixed grid whatever happens between, so the result does not depend on
-the blocks.
+Steps always end at the samples of a fixed grid, so the result does not depend on the blocks.
 """
 
 from __future__ import annotations
@@ -35,52 +34,52 @@ from bearing_twin.dynamics.single.kinematics import at_time, kinks
 from bearing_twin.numerics.compiled import compiled, FAST
 
 _IN_ORDER = FAST - {'reassoc'}
-"""Without reassociation the sum over the balls stays scalar and skips the unloaded ones, which for
-one bearing is faster than vector lanes that have to be added up."""
+"""Fast-math flags without reassociation. The sum over the balls then stays scalar and skips
+unloaded balls; for one bearing this is faster than vector lanes with a final sum."""
 FAR = 1.0
 """Upper limit of ``near``, s."""
 _MASKED = 52
-"""Balls that have a bit of their own. More share the last one: their contact is then followed with
-less accuracy. The state carries the bits as a float, which holds 53 of them."""
+"""Balls with a bit of their own. Further balls share the next bit, and their contact is followed
+less accurately. The state holds the bits as a float, which has room for 53."""
 _PART = 0.5
-"""Largest piece of a step, in units of the time to or since the nearest loss of contact."""
+"""Largest piece of a step, in units of the time to or since the nearest change of contact."""
 _SMALLEST = 0.2
 """Smallest such piece, in units of the step."""
 _RESTING = 1.5
-"""Factor by which a piece may be longer than the one before and still use its snap."""
+"""Largest ratio of a piece to the one before for which the snap is still used."""
 _ASIDE = 1e-6
-"""How far from a kink a defect is looked at to see one side of it, in units of the step."""
+"""Time from a kink at which a defect is evaluated on one side of it, in units of the step."""
 _EVENTS = 12
-"""Most changes of the loaded balls that are looked for in a step."""
+"""Most changes of the loaded balls that are located in a step."""
 _EXACT = 1e-5
-"""To what part of the step an event is found."""
+"""Accuracy of the time of an event, in units of the step."""
 _TERMS = 16
 """Terms of the sensor's Taylor series: enough for 11 kHz at steps of 39 us."""
 _PER_METRE = 1e8
-"""Stiffness that compares an approach with a force, N/m."""
+"""Stiffness that scales an approach to a force for comparison, N/m."""
 
 
 _Motion = namedtuple('_Motion', 'q v a j s')
-"""Both rings at an instant: position, m, and its derivatives up to the snap."""
+"""State of both rings at an instant: positions, m, and derivatives up to the snap."""
 _Parted = namedtuple('_Parted', 'step number bearing scratch')
-"""A step in pieces: its record, its number from the grid point, whose it is, and room."""
+"""A split step: its record, its number from the grid point, the bearing, and work arrays."""
 
 
 Scratch = namedtuple('Scratch', 'step gaps times')
-"""Room to work in: a step, its gaps, and the times of all kinks within one step."""
+"""Work arrays: a step, its gaps, and the times of all kinks within a step."""
 
 
 @compiled(inline=True, fast=_IN_ORDER)
 def _balls_force(step, gaps, i, q, v, a, damping, known):
     """
-    Force of the balls on the outer ring, N, its rate, N/s, loaded balls, ``near``.
+    Return the force of the balls on the outer ring, N, its rate, N/s, loaded balls, ``near``.
 
-    A ball is loaded while it is closer than its gap and its force presses; loaded balls are the
-    bits of an integer. Its force begins and ends with a singularity of the power 1.5, and with a
-    step where there is contact damping. How near that is, in time, is ``near``: the least of delta
-    / |delta'| over the loaded balls, at most `FAR`.
+    A ball is loaded while its approach and its force are positive; loaded balls are the bits of an
+    integer. At begin and end of contact the force has a singularity of the power 1.5, and a jump
+    if there is contact damping. ``near`` estimates the time to it: the least of delta / |delta'|
+    over the loaded balls, at most `FAR`.
 
-    ``known`` are the balls that are taken for loaded, on one side of an event; -1: they are found.
+    ``known`` are the balls to treat as loaded, on one side of an event; -1: they are determined.
     """
     x, y, vx, vy, ax, ay = _between(q, v, a)
     turning, contact = step.turning, Contact(step.k_b, damping)
@@ -116,13 +115,13 @@ def _balls_force(step, gaps, i, q, v, a, damping, known):
 
 @compiled(inline=True, fast=FAST)
 def _between(q, v, a):
-    """Position, velocity and acceleration of the inner ring against the outer one."""
+    """Position, velocity and acceleration of the inner ring relative to the outer ring."""
     return q[0] - q[2], q[1] - q[3], v[0] - v[2], v[1] - v[3], a[0] - a[2], a[1] - a[3]
 
 
 @compiled(inline=True, fast=FAST)
 def ring_rates(step, gaps, i, q, v, a, machine, known=-1):
-    """Acceleration and jerk of both rings, loaded balls and ``near``; row ``i`` of ``gaps``."""
+    """Return acceleration and jerk of both rings, loaded balls, ``near``; from gaps row ``i``."""
     force, rate, loaded, near = _balls_force(
         step, gaps, i, q, v, a, machine.contact_damping, known
     )
@@ -132,14 +131,14 @@ def ring_rates(step, gaps, i, q, v, a, machine, known=-1):
 
 @compiled(fast=FAST, borrows=True)
 def _rates_of(step, gaps, q, v, a, machine, known):
-    """As `ring_rates` for balls known to be loaded: the limit on one side of an event."""
+    """Like `ring_rates` with given loaded balls: the limit on one side of an event."""
     a1, j1, _, near = ring_rates(step, gaps, 0, q, v, a, machine, known)
     return a1, j1, near
 
 
 @compiled(fast=FAST, borrows=True)
 def predict(state, h):
-    """Predict the next step of ``state``, of ``h`` seconds, with the snap if one is known."""
+    """Predict the next step of ``state``, ``h`` seconds long, with the snap if it is known."""
     q, v, a, j = _four(state.q), _four(state.v), _four(state.a), _four(state.j)
     last, s = state.next_step, ZERO
     if last > 0.0:
@@ -156,8 +155,8 @@ def integrate(state, bearing, steps, gaps, resonator, first, scratch, acc_x, acc
     """
     Advance both rings and the sensor through ``steps``.
 
-    ``first`` counts the first one from the grid point. ``acc_x`` and ``acc_y`` take what the
-    sensor reads, ``machine.reads`` samples a step; see `filters.resonator`.
+    ``first`` is the number of the first step from the grid point. ``acc_x`` and ``acc_y`` receive
+    the sensor samples, ``machine.reads`` per step; see `filters.resonator`.
     """
     machine = bearing.machine
     h, snaps, reads = machine.step, machine.snaps, machine.reads
@@ -170,7 +169,7 @@ def integrate(state, bearing, steps, gaps, resonator, first, scratch, acc_x, acc
         step = steps[i]
         smooth = _PART * near >= h and not step.kinked & loaded
         if smooth:
-            # What corrector and next predictor owe to the start, while the force is under way.
+            # Terms of corrector and next predictor that do not need the new force.
             v0 = sum3(v, h / 2.0, a, h2 / 12.0, j)
             q0 = sum4(1.0, q, h / 2.0, v, h / 2.0, v0, h2 / 12.0, a)
             q2 = sum4(1.0, q0, h, v0, h2 / 4.0 * snaps, a, h3 / 12.0 * snaps, j)
@@ -179,7 +178,7 @@ def integrate(state, bearing, steps, gaps, resonator, first, scratch, acc_x, acc
             a1, j1, found, near1 = ring_rates(step, gaps, i, further, faster, ahead, machine)
             smooth = found == loaded
         if smooth:
-            # Jerks times h: the sensor takes the cubic through all four.
+            # Acceleration and jerk times h at both ends: the cubic that drives the sensor.
             x = a[2], h * j[2], a1[2], h * j1[2]
             y = a[3], h * j[3], a1[3], h * j1[3]
             for k in range(reads):
@@ -235,7 +234,7 @@ def _keep(state, q, v, a, j, sensor, loaded, near, further, faster, ahead):
 
 @compiled(inline=True, fast=FAST)
 def _weigh(row, z, w, housing):
-    """One row of `filters.resonator`; ``housing`` is a, h a', and both at the end of the step."""
+    """Apply a row of `filters.resonator`; ``housing`` is a, h a', and both at the step's end."""
     a, j, a1, j1 = housing
     return (row[0] * z + row[1] * w) + (row[2] * a + row[3] * j) + (row[4] * a1 + row[5] * j1)
 
@@ -243,21 +242,21 @@ def _weigh(row, z, w, housing):
 @compiled(fast=_IN_ORDER, borrows=True)
 def _in_pieces(state, bearing, step, number, scratch, acc_x, acc_y):
     """
-    Advance by one ``step`` in pieces that end where something is not smooth.
+    Advance by one ``step`` in pieces that end where the force is not smooth.
 
-    As `integrate`; ``number`` counts the step from the grid point.
+    Arguments as in `integrate`; ``number`` is the number of the step from the grid point.
     """
     machine, here, gaps, times = bearing.machine, scratch.step, scratch.gaps, scratch.times
     h, reads = machine.step, machine.reads
     found = kinks(machine, bearing.defects, _three(step.phases), _three(step.speeds), times)
     aside = _ASIDE * h
     q, v, a, j = _four(state.q), _four(state.v), _four(state.a), _four(state.j)
-    # The snap that the prediction for a whole step holds.
+    # The snap contained in the prediction for a whole step.
     s = sum3(ZERO, 2.0 / (h * h), sum2(-1.0, _four(state.next_a), a), -2.0 / h, j)
     loaded, near = int(state.loaded), state.near
     time, last, events, kink, sample = 0.0, h, 0, 0, 0
     while sample < reads:
-        # Where this piece ends: at a kink, at a sample, or sooner near a loss of contact.
+        # End of this piece: at a kink, at a sample, or earlier near a change of contact.
         stop = h * (sample + 1) / reads
         at_kink = kink < found and times[kink] <= stop
         if at_kink:
@@ -295,7 +294,7 @@ def _in_pieces(state, bearing, step, number, scratch, acc_x, acc_y):
         time = stop if whole else time + piece
         if event:
             s = ZERO
-            # The jerk of the contact damping takes the acceleration found first.
+            # Twice: the damping force's rate needs the acceleration, which the first call gives.
             a, j, near = _rates_of(here, gaps, q, v, a, machine, loaded)
             a, j, near = _rates_of(here, gaps, q, v, a, machine, loaded)
         elif at_kink:
@@ -322,9 +321,9 @@ def _three(values):
 @compiled(fast=_IN_ORDER, borrows=True)
 def _first_change(changed, piece, time, parted, motion):
     """
-    Find when, in s from ``time``, the first of the ``changed`` balls becomes loaded or unloaded.
+    Find the time, s from ``time``, at which the first of the ``changed`` balls changes contact.
 
-    Regula falsi (Illinois) on the predictor; returns the ball as well.
+    Uses regula falsi (Illinois) on the predictor. Returns the time and the ball.
     """
     first, which, machine = piece, -1, parted.bearing.machine
     for ball in range(min(machine.n_balls, _MASKED + 1)):
@@ -334,7 +333,7 @@ def _first_change(changed, piece, time, parted, motion):
         low = _firmness(ball, begin, time, parted, motion)
         high = _firmness(ball, end, time, parted, motion)
         if low * high >= 0.0:
-            # Changed at once, or not before another ball did.
+            # It changed at the start, or not before another ball.
             if which < 0:
                 first, which = (end, ball) if low * high > 0.0 else (begin, ball)
             continue
@@ -358,10 +357,10 @@ def _first_change(changed, piece, time, parted, motion):
 @compiled(fast=_IN_ORDER, borrows=True)
 def _firmness(ball, ahead, time, parted, motion):
     """
-    Tell how firmly a ball is loaded ``ahead`` seconds after ``time`` on the predictor.
+    Return a continuous measure of the load of a ball, ``ahead`` seconds after ``time``.
 
-    Positive exactly where it is loaded, continuous, zero between: the lesser of its force, N, and
-    its approach, m, times a stiffness.
+    It is evaluated on the predictor and is positive exactly while the ball is loaded: the minimum
+    of its force, N, and its approach, m, times a stiffness.
     """
     step, number, bearing, scratch = parted
     here, gaps = scratch.step, scratch.gaps
@@ -377,12 +376,12 @@ def _firmness(ball, ahead, time, parted, motion):
 
 @compiled(fast=FAST, borrows=True)
 def _advance_sensor(sensor, at, h, a, j, a1, j1, machine):
-    """Advance one axis of the sensor by its Taylor series, for any ``h`` up to a step."""
+    """Advance one sensor axis by ``h`` seconds, at most a step, with its Taylor series."""
     if h <= 0.0:
         return
     w = machine.resonance * h
     damped = 2.0 * machine.resonance_damping * machine.resonance * h
-    # The cubic through both accelerations and jerks, in units of h.
+    # Coefficients of the cubic through both accelerations and jerks, in units of h.
     slope = h * j
     square = 3.0 * (a1 - a) - h * (2.0 * j + j1)
     cube = 2.0 * (a - a1) + h * (j + j1)
@@ -400,7 +399,7 @@ def _advance_sensor(sensor, at, h, a, j, a1, j1, machine):
 
 @compiled(inline=True, fast=FAST)
 def _read_sensor(sensor, at, a, machine):
-    """Read the sensor along one axis, m/s^2."""
+    """Return the sensor output along one axis, m/s^2."""
     if machine.resonance == 0.0:
         return a
     return -sensor[at] - 2.0 * machine.resonance_damping * sensor[at + 1]

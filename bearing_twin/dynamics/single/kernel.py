@@ -5,8 +5,8 @@
 """
 Compiled kernel of one bearing: chunks of the grid, inputs, decimation, noise.
 
-`model` has the equations, `kinematics` what is prescribed, `integrator` the scheme, `layout` the
-records.
+The equations are in `model`, the prescribed kinematics in `kinematics`, the scheme in
+`integrator` and the records in `layout`.
 """
 
 from __future__ import annotations
@@ -42,21 +42,21 @@ FloatArray = npt.NDArray[np.float64]
 Records = npt.NDArray[np.void]
 
 _seven: Any = to_fixed_tuple
-"""Of any type: its arguments are not those that compiled code gives."""
+"""Typed as Any: compiled code passes other arguments than the Python function declares."""
 FAST_HZ = 27.0
-"""Shaft speed above which steps are short: events crowd, and errors would pass 0.1 %."""
+"""Shaft speed above which steps are short, Hz: events are frequent, errors would exceed 0.1 %."""
 _MOST_KINKS = 32
 """Most kinks of all defects within one step."""
 _LONG, _SHORT = 0, 1
-"""Steps of the integrator: `filters.least_steps` per output sample, or three times as many."""
+"""Kinds of steps: `filters.least_steps` per output sample, or three times as many."""
 
 
 class Tables(NamedTuple):
-    """One bearing as the kernel takes it; see `tables` and `waviness`."""
+    """Constants of one bearing for the kernel; see `tables` and `waviness`."""
 
     machines: Records
-    """MACHINE[2]: constants for long and for short steps. Steps are short where the rings are
-    stiff or the shaft turns faster than `FAST_HZ`."""
+    """MACHINE[2]: constants for long and for short steps. Steps are short if the rings are stiff
+    or the shaft turns faster than `FAST_HZ`."""
     defects: Records
     balls: FloatArray
     surfaces: Surfaces
@@ -86,20 +86,20 @@ def advance(
     states : STATE[1]
         Changed in place.
     history : float64[2, taps - oversample]
-        Last internal samples, the memory of the decimator; changed in place.
+        Last internal samples, the state of the decimator; changed in place.
     tables
         The bearing.
     resonators : float64[2, 5, 6]
         Tables of `filters.resonator`, for long and for short steps.
     taps
-        `filters.decimator`.
+        Result of `filters.decimator`.
     ramp : float64[2, INPUTS]
         Inputs at the start and at the end of the block.
     drift : float64[2, INPUTS]
         Addition to the inputs at the last thermal tick, and its growth per output sample.
     fade, faded : float64[INPUTS]
-        Growth per output sample of what a change still adds to the inputs, which is zero from
-        output sample ``faded`` on, a point of the grid.
+        Remaining addition to the inputs after a change of parameters: its growth per output
+        sample, and the output sample, a grid point, from which it is zero.
     seed, first, since_tick
         Seed of the random numbers; index of the first output sample; output samples since the last
         thermal tick.
@@ -112,7 +112,7 @@ def advance(
     memory = history.shape[1]
     most = CHUNK * machines[_SHORT].steps
     oversample = machines[_SHORT].steps * machines[_SHORT].reads
-    # Everything between two grid points stays in the fastest cache.
+    # All arrays between two grid points fit into the fastest cache.
     raw = np.empty((2, memory + CHUNK * oversample))
     steps = np.empty(most, STEP)
     gaps = np.empty((most, 4, tables.balls.shape[1]))
@@ -154,10 +154,10 @@ def advance(
 @compiled(inline=True, fast=FAST)
 def _inputs(ramp, drift, fade, n, steps, at, since_tick, left):
     """
-    Return the inputs at a grid point, ``at`` samples into the block, and their growth a step.
+    Return the inputs at a grid point, ``at`` samples into the block, and their growth per step.
 
-    Relative to the grid, so that held inputs give the same bits in every block. A fade ends after
-    minus ``left`` samples.
+    They are computed relative to the grid, so that constant inputs give the same bits in every
+    block. A fade ends after ``-left`` samples.
     """
     inputs, growth = np.empty(INPUTS), np.empty(INPUTS)
     for i in range(INPUTS):
@@ -168,7 +168,7 @@ def _inputs(ramp, drift, fade, n, steps, at, since_tick, left):
 
 @compiled(inline=True, fast=FAST)
 def input_at(ramp, drift, fade, n, i, at, since_tick, left):
-    """Input ``i`` at a grid point, see `advance`; a fade ends after minus ``left`` samples."""
+    """Input ``i`` at a grid point, see `advance`; a fade ends after ``-left`` samples."""
     slope = (ramp[1, i] - ramp[0, i]) / n
     added = drift[0, i] + drift[1, i] * (since_tick + at)
     return ramp[0, i] + slope * at + (added + fade[i] * left)
@@ -197,7 +197,7 @@ def _decimate(raw, taps, oversample, out):
 
 @compiled(fast=FAST)
 def _add_noise(level, seed, first, out):
-    """Add white noise; whole chunks of the grid are drawn, so that all samples are alike."""
+    """Add white noise; drawn in whole chunks of the grid, so that it is the same in any block."""
     x, y = np.empty(CHUNK, np.float32), np.empty(CHUNK, np.float32)
     level = np.float32(level)
     key = np.uint64(seed)
@@ -217,7 +217,7 @@ def _add_noise(level, seed, first, out):
 
 @compiled(inline=True, fast=FAST)
 def _instant(state, tables, values):
-    """Return a step and its gaps for the present phases and inputs, without the cage's walk."""
+    """Return a step and its gaps for the present phases and inputs, without cage jitter."""
     machine, inputs = tables.machines[_LONG], _as_inputs(values)
     bearing = _bearing(tables, machine, inputs, Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
@@ -247,9 +247,9 @@ def _as_inputs(values):
 @compiled(fast=FAST)
 def settle(states: Records, tables: Tables, values: FloatArray) -> None:
     """
-    Put both rings into static equilibrium at the present phases, defects under the balls included.
+    Put both rings into static equilibrium at the present phases, with defects under the balls.
 
-    ``values`` are the inputs; `start` is to be called next.
+    ``values`` are the inputs. Call `start` next.
     """
     state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
@@ -266,10 +266,11 @@ def settle(states: Records, tables: Tables, values: FloatArray) -> None:
 @compiled(fast=FAST)
 def start(states: Records, tables: Tables, values: FloatArray) -> None:
     """
-    Set what of the state follows from its phases, positions and velocities.
+    Compute the dependent part of the state from phases, positions and velocities.
 
-    Sines, accelerations, jerks, loaded balls and the prediction for the next step. To be
-    called where a trajectory begins and where parameters change; ``values`` are the inputs.
+    This part is sines, accelerations, jerks, loaded balls and the prediction for the next step.
+    Call it at the start of a trajectory and after a change of parameters; ``values`` are the
+    inputs.
     """
     state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
@@ -279,7 +280,7 @@ def start(states: Records, tables: Tables, values: FloatArray) -> None:
     a = (0.0, 0.0, 0.0, 0.0)
     j = a
     loaded, near = 0, FAR
-    for _ in range(2):  # the jerk of the contact damping takes the acceleration found first
+    for _ in range(2):  # the damping force's rate needs the acceleration of the first pass
         a, j, loaded, near = ring_rates(step, gaps, 0, q, v, a, machine)
     for i in range(4):
         state.a[i], state.j[i] = a[i], j[i]
@@ -290,9 +291,9 @@ def start(states: Records, tables: Tables, values: FloatArray) -> None:
 
 @compiled()
 def ball_forces(states: Records, tables: Tables, values: FloatArray) -> npt.NDArray[np.float32]:
-    """Contact force of each ball, N, float32[n_balls], at the present state and inputs."""
+    """Return the contact force of each ball, N, float32[n_balls], for state and inputs."""
     state, machine = states[0], tables.machines[_LONG]
-    # Looked up with room of its own: the simulator may run meanwhile.
+    # Own work array for the look-up: the simulator may run meanwhile.
     aside = Tables(tables.machines, tables.defects, tables.balls, with_own_room(tables.surfaces))
     _, gaps = _instant(state, aside, values)
     forces = np.zeros(machine.n_balls, dtype=np.float32)

@@ -3,9 +3,9 @@
 # Compiled functions take tuples and records of many shapes; the docstrings give their types.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 """
-Prescribed kinematics: shaft, cage and balls turn, and defects pass under the balls.
+Prescribed kinematics: rotation of shaft, cage and balls, and passage of the defects.
 
-All of it is known before the equations of motion are solved, the instants included at which the
+All of it is known before the equations of motion are solved, including the instants at which the
 path of a ball through a defect has a kink.
 """
 
@@ -23,7 +23,7 @@ from bearing_twin.numerics.compiled import compiled, FAST
 
 _TWO_PI = 2.0 * math.pi
 _SHORTEST_KINK = 1e-9
-"""Kinks closer to the ends of a step than this part of it are none, nor are nearly equal ones."""
+"""Kinks closer than this fraction of a step to its ends are ignored."""
 _INNER, _BALL, _CAGE = (PLACES.index(place) for place in ('inner', 'ball', 'cage'))
 
 
@@ -32,14 +32,14 @@ Inputs = namedtuple('Inputs', 'k_b depth clearance shaft_hz slip foot_x foot_y')
 
 
 class KernelBearing(NamedTuple):
-    """What the integrator knows of one bearing; the inputs begin at the last grid point."""
+    """Constants and inputs of one bearing; the inputs hold at the last grid point."""
 
     machine: Any
     """Record `layout.MACHINE`."""
     defects: Any
     """Records `layout.DEFECT`."""
     balls: Any
-    """Direction in the cage and undersize, float64[4, padded]; rows GAP, COS, SIN."""
+    """Undersize and direction in the cage of each ball, float64[4, padded]; rows GAP, COS, SIN."""
     surfaces: Any
     """See `waviness.Surfaces`."""
     inputs: Any
@@ -49,10 +49,10 @@ class KernelBearing(NamedTuple):
 @compiled(inline=True, fast=FAST)
 def _under(machine, defect, phases, rates):
     """
-    Find what is next to a defect.
+    Find the ball that is nearest to a defect.
 
-    Returns the ball, how far along the race it is from the centre (m), its speed there (m/s), and
-    whether it is on the inner race.
+    Returns the ball, its distance from the centre of the defect along the race (m), its speed
+    there (m/s), and whether the contact is on the inner race.
     """
     if defect.place == _BALL:
         phase = 2.0 * (phases[2] - defect.angle)
@@ -75,7 +75,7 @@ def _under(machine, defect, phases, rates):
 @compiled(inline=True, fast=FAST)
 def open_gaps(bearing, phases, rates, factor, gaps, row):
     """
-    Add to ``gaps[row]`` what the defects take away, m, and its rate, m/s.
+    Add the depth of the defects under the balls, m, and its rate, m/s, to ``gaps[row]``.
 
     ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s.
     """
@@ -91,7 +91,7 @@ def open_gaps(bearing, phases, rates, factor, gaps, row):
 
 @compiled(inline=True, fast=FAST)
 def _kinked(bearing, phases, rates):
-    """Return the balls, one bit each, that pass a kink in the step that ends at ``phases``."""
+    """Return a bit mask of the balls that pass a kink in the step that ends at ``phases``."""
     balls = 0
     h = bearing.machine.step
     for i in range(bearing.defects.shape[0]):
@@ -113,9 +113,9 @@ def _kinked(bearing, phases, rates):
 @compiled(fast=FAST, borrows=True)
 def kinks(machine, defects, phases, rates, times):
     """
-    Fill ``times`` with the instants, in s and in order, at which a step meets a kink.
+    Fill ``times`` with the instants, s, at which a ball meets a kink within a step, sorted.
 
-    ``phases`` are those at the start of the step. Returns how many there are, at most the length
+    ``phases`` are those at the start of the step. Returns the number of kinks, at most the length
     of ``times``.
     """
     found = 0
@@ -148,9 +148,9 @@ def kinks(machine, defects, phases, rates, times):
 @compiled(inline=True, fast=FAST)
 def drive(step, machine, inputs, growth, at, turning, shaft):
     """
-    Fill the end of a `layout.STEP`: ``at`` steps after the inputs, at the (cos, sin) of the shaft.
+    Fill in the values of a `layout.STEP` at its end, ``at`` steps after the inputs.
 
-    ``turning`` is the speed of the cage, turns/s.
+    ``turning`` is the speed of the cage, turns/s; ``shaft`` is (cos, sin) of the shaft angle.
     """
     omega = _TWO_PI * (inputs.shaft_hz + growth.shaft_hz * at)
     step.turning = _TWO_PI * turning
@@ -165,7 +165,7 @@ def drive(step, machine, inputs, growth, at, turning, shaft):
 @compiled(inline=True, fast=FAST)
 def place_balls(bearing, clearance, c, s, phases, rates, gaps, i):
     """
-    Directions and gaps of all balls of a cage at (c, s), without defects.
+    Fill row ``i`` of ``gaps`` for a cage angle with (cos, sin) = (c, s), without defects.
 
     ``phases`` and ``rates`` are those of cage, shaft and ball spin, turns and turns/s.
     """
@@ -185,18 +185,18 @@ def place_balls(bearing, clearance, c, s, phases, rates, gaps, i):
 @compiled(fast=FAST, borrows=True)
 def advance_steps(state, bearing, walk, begin, steps, gaps):
     """
-    Turn shaft, cage and balls through ``steps``, from step ``begin`` after the grid point on.
+    Rotate shaft, cage and balls through ``steps``, from step ``begin`` after the grid point.
 
-    ``walk`` is the random part of the cage's speed, see `tables.machine`.
+    ``walk`` is the random part of the cage speed, see `tables.machine`.
     """
     machine, inputs, growth = bearing.machine, bearing.inputs, bearing.growth
     h = machine.step
     cage, shaft, spin = state.cage, state.shaft, state.spin
     c, s = state.cage_cos, state.cage_sin
     cs, ss = state.shaft_cos, state.shaft_sin
-    # A quick ramp that begins between grid points is below zero at the last one.
+    # A fast ramp that begins between grid points extrapolates below zero at the grid point.
     wander = walk * math.sqrt(max(inputs.shaft_hz, 0.0))
-    spin_per_cage = machine.spin_order / machine.ftf_order  # the balls roll as fast as they travel
+    spin_per_cage = machine.spin_order / machine.ftf_order  # slip slows both alike
     for i in range(steps.shape[0]):
         middle, end = begin + i + 0.5, begin + i + 1.0
         hz = inputs.shaft_hz + growth.shaft_hz * middle
@@ -227,10 +227,10 @@ def advance_steps(state, bearing, walk, begin, steps, gaps):
 @compiled(fast=FAST, borrows=True)
 def at_time(time, aside, step, number, bearing, here, gaps):
     """
-    Fill the step ``here`` and the row of ``gaps``, as ends of steps, ``time`` seconds into a step.
+    Fill the step ``here`` and row 0 of ``gaps`` for the instant ``time`` seconds into ``step``.
 
-    ``number`` counts the ``step`` from the grid point. The defects are taken ``aside`` seconds
-    later, which decides on which side of a kink they are seen.
+    ``number`` is the number of ``step`` from the grid point. Defects are evaluated ``aside``
+    seconds later, which selects the side of a kink.
     """
     inputs, growth = bearing.inputs, bearing.growth
     turning, hz, rolling = step.speeds[0], step.speeds[1], step.speeds[2]
@@ -256,7 +256,7 @@ def _after(phases, seconds, rates):
 
 @compiled(inline=True, fast=FAST)
 def _rotate(c, s, angle):
-    """Rotate (cos, sin) by a small angle, up to 0.15 rad."""
+    """Rotate (cos, sin) by an angle of at most 0.15 rad."""
     square = angle * angle
     cd = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
     sd = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square / 5040.0)))
@@ -265,7 +265,7 @@ def _rotate(c, s, angle):
 
 @compiled(borrows=True)
 def wrap_phases(state):
-    """Wrap the phases and compute the sines that follow from them."""
+    """Wrap the phases and compute their sines and cosines."""
     state.cage -= math.floor(state.cage)
     state.shaft -= math.floor(state.shaft)
     state.spin -= SPIN_TURNS * math.floor(state.spin / SPIN_TURNS)

@@ -3,10 +3,10 @@
 # Fields of numba's objects are known to compiled code only.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 """
-One bearing as an object of compiled code.
+One bearing as a numba object (structref) for compiled functions.
 
-To give a compiled function an object costs a microsecond; to give it the same tables as a nested
-tuple costs four, because each array in it is looked at anew in every call.
+Passing an object to a compiled function takes one microsecond. Passing the same tables as a nested
+tuple takes four, because every call inspects each array in it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numba.experimental import structref
 
 
 class _Fields(types.StructRef):
-    """Type of an object; a number in it may take any value."""
+    """Numba type of an object; literal types of numbers become general ones."""
 
     def preprocess_fields(self, fields):
         return tuple((name, types.unliteral(kind)) for name, kind in fields)
@@ -36,11 +36,11 @@ class _MotionType(_Fields):
 
 
 class Equations(structref.StructRefProxy):
-    """What the equations of one bearing take, and its condition; see :func:`equations`."""
+    """Constants for the equations and the condition of one bearing; see :func:`equations`."""
 
 
 class Motion(structref.StructRefProxy):
-    """One bearing that moves; see :func:`motion`."""
+    """One bearing with its state; see :func:`motion`."""
 
 
 structref.define_proxy(Equations, _EquationsType, ['constants', 'tables', 'contacts', 'deepest'])
@@ -55,7 +55,7 @@ structref.define_proxy(
 @compiled()
 def equations(constants: Any, tables: Any, contacts: Any, deepest: float) -> Equations:
     """
-    Put together what the equations of one bearing take.
+    Return the `Equations` of one bearing.
 
     ``constants`` is a record of `coefficients.CONSTANTS`, ``tables`` `kernel.Tables`, ``contacts``
     `hertz.ellipses` of the bearing, and ``deepest`` the greatest depth of its defects, m.
@@ -76,10 +76,10 @@ def motion(
     fade: Any,
 ) -> Motion:
     """
-    Put together a bearing that moves; its arrays are changed in place.
+    Return the `Motion` of one bearing; advancing it changes the arrays in place.
 
-    ``values`` are those of `coefficients.evaluate` at the next sample with the outer ring's
-    temperature for both, ``rings`` and ``drift`` as in `inner_ring`, the others as in
+    ``values`` are those of `coefficients.evaluate` at the next sample with both rings at the outer
+    ring temperature. ``rings`` and ``drift`` are as in `inner_ring`, the others as in
     `kernel.advance`.
     """
     return Motion(equations, resonators, taps, states, history, values, rings, drift, fade)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The twin of one bearing: its state is carried from block to block, never reset."""
+"""Simulator of one bearing: the twin, whose state continues from block to block."""
 
 from __future__ import annotations
 
@@ -37,23 +37,23 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 RUN_IN = 0.04
-"""How long a bearing has turned before sample 0, s: what a start at rest excites has died away."""
+"""Time that a bearing runs before sample 0, s, until the vibration of its start has decayed."""
 _FADE = 0.16
-"""Time within which load, direction and clearance go from one value to another, s, whatever the
-blocks: many periods of the slowest mode of the rings, so that the change itself is no impact."""
+"""Duration of a change of load, its direction or clearance, s, for any block length. It is many
+periods of the slowest mode of the rings, so that the change causes no impact."""
 _MAX_BLOCK = 1 << 24
 _MOST_TURNS = 1e3
-"""Phases are wrapped on the kernel's grid only; between two points of it they run on, and with
-jitter, of an almost standing shaft, back."""
+"""Limit of the phases in a saved state, turns. Phases are wrapped at grid points only; between
+them they go beyond a turn, and at very low speed jitter can move them backwards."""
 _LARGEST = 2.0**53
-"""Above everything in a state: the greatest is the integer whose bits are the loaded balls."""
+"""Limit of all numbers in a state. The largest is the integer whose bits are the loaded balls."""
 _SAVED = Envelope(b'BTwin\x00\x06\x00', struct.Struct('<dIQddIQII'), 'one bearing')
 
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
     """
-    Housing acceleration as an accelerometer sees it.
+    Acceleration of the housing, as measured by an accelerometer.
 
     Examples
     --------
@@ -71,34 +71,33 @@ class Block:
     y: npt.NDArray[np.float32]
     """Vertical, m/s^2, upwards."""
     describe: Callable[[], Condition] = field(repr=False, compare=False)
-    """Works out the condition."""
+    """Function that computes the condition."""
 
     @functools.cached_property
     def condition(self) -> Condition:
-        """State at the end of the block; worked out when it is first asked for."""
+        """State at the end of the block, computed on first access."""
         return self.describe()
 
 
 class Simulator:
     """
-    Advances the equations of motion of one bearing and carries their state.
+    Integrate the equations of motion of one bearing and keep their state.
 
-    The equations are solved by Hermite's method of order 4 in steps of an output sample, or of
-    1/25600 s if that is less (a third of it above 27 Hz and for stiff rings), and in smaller ones
-    wherever contact or the path through a defect is
-    not smooth; the sensor's resonance is applied within them, then the signal is decimated. The
-    decimator delays the signal by `delay` against the condition: `Block.x` [k] shows what
-    happened `delay` before its sample's time.
+    The equations are solved with the fourth-order Hermite scheme. A step is one output sample or
+    1/25600 s, whichever is shorter, and a third of that above 27 Hz and for stiff rings. Steps are
+    smaller where contact or the path through a defect is not smooth. The sensor resonance is part
+    of the steps; then the signal is decimated. The decimator delays the signal by `delay` relative
+    to the condition: `Block.x` [k] shows an event `delay` seconds after it happened.
 
-    Inputs are ramped linearly over the block in which they are commanded, so that stiffness and
-    defect depth follow the temperature without a step. With held inputs, splitting a block or
-    saving and loading in between changes no bit. A state that is loaded under other parameters
-    goes over to them as after `reconfigure`.
+    Inputs are ramped linearly over the block of an `advance`, so that stiffness and defect depth
+    follow the temperature without a step. With constant inputs, splitting a block or saving and
+    loading in between changes no bit. A state that is loaded under other parameters changes over
+    to them as in `reconfigure`.
 
     Parameters
     ----------
     parameters : TwinParameters
-        The bearing, its faults and its surroundings.
+        Bearing, defects and machine.
     sample_rate
         Output rate, Hz, 2000 to 204800.
     seed
@@ -133,7 +132,7 @@ class Simulator:
         self._oversample = filters.oversampling(sample_rate)
         self._taps = filters.decimator(self._oversample)
         self.start = (check_temperature(float(temperature)), check_speed(shaft_hz))
-        """Temperature and speed to which :meth:`reset` goes back, degC and Hz."""
+        """Temperature and speed that :meth:`reset` restores, degC and Hz."""
         self.tick = inner_ring.tick_length(sample_rate)
         # State and tables, records of `layout` and rows of `coefficients`: read by `fleet.lanes`.
         self.drift = np.zeros((2, coefficients.INPUTS))
@@ -148,7 +147,7 @@ class Simulator:
 
     @property
     def parameters(self) -> TwinParameters:
-        """Parameters in force."""
+        """Parameters in use."""
         return self._parameters
 
     @property
@@ -163,15 +162,15 @@ class Simulator:
 
     @property
     def delay(self) -> float:
-        """Delay of the published signal against the condition, s."""
+        """Delay of the output signal relative to the condition, s."""
         return filters.delay(self.sample_rate)
 
     def reset(self) -> None:
         """
         Start again at sample 0.
 
-        The bearing has then turned for `RUN_IN` seconds from static equilibrium, with the balls
-        sunk into the defects under them, so that the start itself is no impact.
+        Before that, the bearing runs for `RUN_IN` seconds from a static equilibrium that includes
+        the defects under the balls, so that the start causes no impact.
         """
         self.next_sample = 0
         self._temperature, self._shaft_hz = self.start
@@ -183,12 +182,12 @@ class Simulator:
 
     def reconfigure(self, parameters: TwinParameters) -> None:
         """
-        Change defects, preset or thermal mode while running; the state is carried on.
+        Change defects, preset or thermal mode while running; the state continues.
 
-        A fault that is injected is there from the next sample on. Load and its direction,
-        clearance, contact stiffness and slip go to their new values within 0.16 s, whatever the
-        blocks. With another stiffness of shaft or housing the spring's foot has to be elsewhere at
-        once, and so all are there at once.
+        A new defect acts from the next sample on. Load, its direction, clearance, contact
+        stiffness and slip reach their new values within 0.16 s, for any block length. If the
+        stiffness of shaft or housing changes, the foot of the spring must jump, and all values
+        change at once.
         """
         was, marks, inputs = self._parameters, self.marks, self.inputs()
         self._configure(parameters)
@@ -201,10 +200,10 @@ class Simulator:
 
     def settle(self, temperature: float) -> None:
         """
-        Take ``temperature``, degC, as one that the outer ring has had for long.
+        Set the inner ring to its steady state for an outer ring at ``temperature``, degC.
 
-        In the physical mode the inner ring is put into its steady state; clearance, stiffness and
-        slip go there within 0.16 s. The mode paper has no such memory, and nothing changes.
+        Clearance, stiffness and slip reach their new values within 0.16 s. The mode paper has no
+        inner ring temperature, and nothing changes.
         """
         if self._parameters.thermal_mode == 'physical':
             inputs = self.inputs()
@@ -214,10 +213,10 @@ class Simulator:
 
     def advance(self, n: int, temperature: float, shaft_hz: float) -> Block:
         """
-        Advance by ``n`` samples while temperature and speed go to the values given.
+        Advance by ``n`` samples while temperature and speed change linearly to the values given.
 
-        ``n`` is 1 to 2^24 samples; temperature of the outer ring, 20 to 110 degC, and speed, 0 to
-        500 Hz, are those at the end of the block.
+        ``n`` is 1 to 2^24. ``temperature`` of the outer ring, 20 to 110 degC, and ``shaft_hz``,
+        0 to 500 Hz, hold at the end of the block.
 
         Raises
         ------
@@ -248,8 +247,8 @@ class Simulator:
         """
         Advance by blocks of ``n`` samples, one after the other, in one call.
 
-        The same as :meth:`advance` with each temperature, degC, and speed, Hz, but other threads
-        have the interpreter meanwhile.
+        The result equals calls of :meth:`advance` with each temperature, degC, and speed, Hz, but
+        other Python threads can run meanwhile.
 
         Examples
         --------
@@ -285,7 +284,8 @@ class Simulator:
         """
         Return the complete state: motion, phases, filters, sample index, seed and inputs.
 
-        It belongs to the bearing and the sample rate in force, which it does not hold.
+        It does not contain the parameters. It can be loaded only with the same bearing geometry,
+        thermal mode and sample rate.
         """
         body = np.concatenate(
             [
@@ -360,10 +360,10 @@ class Simulator:
         inputs: FloatArray | None = None,
     ) -> None:
         """
-        Take over phases, positions and velocities in a record `layout.STATE`.
+        Continue from phases, positions and velocities of a record `layout.STATE`.
 
-        ``rings`` are the temperatures of the inner ring, as in `inner_ring`; ``inputs`` those
-        of the equations from which the next block starts, None: its own.
+        ``rings`` are the inner ring temperatures as in `inner_ring`. ``inputs`` are the inputs of
+        the equations from which the next block starts; None: those of the parameters in use.
         """
         self.next_sample = next_sample
         if rings is not None:
@@ -375,7 +375,7 @@ class Simulator:
 
     def _configure(self, parameters: TwinParameters) -> None:
         p = parameters
-        # Long and short steps: one, or one for each sample that is taken of the sensor.
+        # Long steps, and short steps with one sensor sample each.
         long = filters.least_steps(self.sample_rate)
         stiff = steps(p, self.sample_rate) > long
         kinds = long, self._oversample
@@ -398,10 +398,11 @@ class Simulator:
         tables = machines, self.constants, self.tables.defects, np.array([p.waviness])
         whole = zlib.crc32(b''.join(table.tobytes() for table in tables))
         self.marks = whole, zlib.crc32(springs.tobytes())
-        """Checksums of what the equations take, and of the springs, whose foot jumps with them."""
+        """Checksums of all constants of the equations, and of the springs: if these change, the
+        foot of the shaft spring jumps."""
 
     def _take(self, tables: kernel.Tables) -> None:
-        """Take the tables of the parameters in force."""
+        """Use ``tables``, which belong to the parameters in use."""
         self.tables = tables
         self._equations = equations_of(self._parameters, self.constants, tables)
         self._motion = objects.motion(
@@ -410,7 +411,7 @@ class Simulator:
         )  # fmt: skip
 
     def _reseed(self, seed: int) -> None:
-        """Take another seed: the random numbers change, and with them the surfaces."""
+        """Set the seed; this also changes the surfaces."""
         if seed != self.seed:
             self.seed = seed
             self._take(self.tables._replace(surfaces=surfaces(self._parameters, seed)))
@@ -421,7 +422,7 @@ class Simulator:
         return values
 
     def _run_in(self) -> None:
-        """Turn from equilibrium to the phases of sample 0, without jitter and noise."""
+        """Run from equilibrium to the phases of sample 0, without jitter and noise."""
         values, machines, state = self.inputs(), self.tables.machines.copy(), self.state
         machines['jitter'] = machines['noise'] = 0.0
         turns = self._parameters.start_angle / (2.0 * math.pi) % 1.0
@@ -444,12 +445,12 @@ class Simulator:
         self._start_motion()
 
     def inputs(self) -> FloatArray:
-        """Return the inputs of the equations at the next sample, as `coefficients` has them."""
+        """Return the inputs of the equations at the next sample, ordered as in `coefficients`."""
         behind = self.fade * min(self.next_sample - self.faded, 0)
         return inner_ring.inputs(self.values, behind, self.drift, self.next_sample % self.tick)
 
     def _come_from(self, inputs: FloatArray | None) -> None:
-        """Let ``inputs`` of the equations fade into those that are due; None: at once."""
+        """Fade from ``inputs`` of the equations to the present ones; None: switch at once."""
         self.fade[:], self.faded = 0.0, 0
         if inputs is not None:
             behind = inputs - self.inputs()
@@ -458,17 +459,17 @@ class Simulator:
             self.fade[:] = behind / (self.next_sample - self.faded)
 
     def _start_motion(self) -> None:
-        """Make acceleration and jerk follow from positions, velocities and parameters."""
+        """Compute accelerations and jerks from positions, velocities and parameters."""
         kernel.start(self.state, self.tables, self.inputs())
 
     def _settle_ring(self) -> None:
-        """Put the inner ring into its steady state."""
+        """Set the inner ring to its steady state."""
         outer, hz = self._temperature, self._shaft_hz
         self.values[:] = self._evaluate(outer, outer, hz)
         inner_ring.settle(self.constants, self.values, outer, hz, self.rings, self.drift)
 
     def _carry_rings(self) -> None:
-        """Let the inner ring go on with the parameters in force."""
+        """Continue from the inner ring temperatures with the parameters in use."""
         outer, hz = self._temperature, self._shaft_hz
         self.values[:] = self._evaluate(outer, outer, hz)
         inner_ring.carry(self.constants, self.values, outer, hz, self.rings, self.drift, self.tick)
@@ -477,7 +478,7 @@ class Simulator:
 # The first arguments are objects of numba, whose fields mypy does not know.
 @compiled()
 def _see(motion: Any, faded: int, at: int, tick: int, seen: FloatArray) -> None:
-    """Put aside what the condition at sample ``at`` follows from, see `condition`."""
+    """Fill ``seen`` with the data of the condition at sample ``at``, see `condition`."""
     since, behind = at % tick, motion.fade * min(at - faded, 0)
     seen[:MOTION].view(STATE)[0] = motion.states[0]
     seen[MOTION:VALUES] = inner_ring.inputs(motion.values, behind, motion.drift, since)
@@ -503,7 +504,7 @@ def _advance(
     """
     Advance a bearing and its inner ring through a block, from tick to tick.
 
-    A tick takes ``seconds``; for the others see `kernel.advance` and `_see`.
+    A tick lasts ``seconds``; other arguments as in `kernel.advance` and `_see`.
     """
     was, to, constants = (
         (was_temperature, was_hz),
@@ -554,7 +555,7 @@ def _advance_all(
     out: npt.NDArray[np.float32],
     seen: FloatArray,
 ) -> None:
-    """Do `_advance` for blocks that follow each other; arrays with the block first."""
+    """Call `_advance` for consecutive blocks; the first array axis is the block."""
     for i in range(out.shape[0]):
         _advance(
             motion, was_temperature, was_hz, temperatures[i], speeds[i], faded, seed,

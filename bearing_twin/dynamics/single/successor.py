@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A simulator of other parameters that goes on where another one is."""
+"""A simulator with new parameters that continues from the phases of another one."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ if TYPE_CHECKING:
 
 
 SETTLE_S = 0.1
-"""How long the successor has turned, s: what its own start excites has died away."""
+"""Time that the successor runs before, s, until the vibration of its own start has decayed."""
 _PHASES = ('shaft', 'cage', 'spin')
 
 
 def successor(simulator: Simulator, parameters: TwinParameters) -> tuple[Simulator, Block]:
     """
-    Return a settled simulator in the phases of another one, and what it did before that sample.
+    Return a settled simulator with the phases of another one, and its block before that sample.
 
-    `Simulator.reconfigure` lets new parameters act on the motion at once, as an injected fault
-    does. Here the motion is that of the new parameters from the first sample on, so that one
-    signal can be faded into the other.
+    `Simulator.reconfigure` applies new parameters to the present motion, as for an injected fault.
+    Here the motion is that of the new parameters from the first sample on, for a cross-fade from
+    one signal to the other.
 
-    The simulator is left as it is; it gives phases, sample index, seed, temperature and speed. The
-    bearing of ``parameters`` is the same.
+    ``simulator`` gives phases, sample index, seed, temperature and speed, and is not changed.
+    ``parameters`` must have the same bearing.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters laid out in the records that the compiled kernels take."""
+"""Conversion of parameters to the records of the compiled kernels."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
     """
     Return the constants of one bearing, one record `layout.MACHINE`.
 
-    The cage's walk has the variance per impact of ``(2 pi jitter / Z)^2 rad^2``, as a speed that
-    is held for `layout.CHUNK` samples, over the root of the shaft speed. For ``stiff`` rings the
-    predictor does not take the snap.
+    The random walk of the cage has a variance of ``(2 pi jitter / Z)^2 rad^2`` per impact. Its
+    constant ``jitter`` is a speed over the square root of the shaft speed; the random speed is
+    constant for `layout.CHUNK` samples. For ``stiff`` rings the predictor does not use the snap.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
         up_x=up_x, up_y=up_y, load_turns=p.load_angle / (2.0 * math.pi),
         ftf_order=orders.ftf, spin_order=orders.bsf,
         jitter=p.jitter / bearing.n_balls * math.sqrt(orders.bpfi * sample_rate / CHUNK),
-        # The circles on which the balls touch the races: nearer to the pitch at a contact angle.
+        # Contact circles of the races; a contact angle moves them towards the pitch circle.
         inner_radius=0.5 * bearing.d_pitch * (1.0 - bearing.gamma),
         outer_radius=0.5 * bearing.d_pitch * (1.0 + bearing.gamma),
         resonance=2.0 * math.pi * p.resonance_hz,
@@ -64,10 +64,10 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
 
 def defect_table(p: TwinParameters) -> Records:
     """
-    Return one record `layout.DEFECT` a defect.
+    Return one record `layout.DEFECT` per defect.
 
-    Depths are along the contact normal. The kernel works with radial gaps: a ball that sinks in
-    by s at a contact angle alpha opens one of s / cos(alpha).
+    Depths of defects are along the contact normal, but the kernel has radial gaps: at a contact
+    angle alpha a depth s opens a gap of s / cos(alpha).
 
     Examples
     --------
@@ -97,7 +97,7 @@ def ball_table(p: TwinParameters) -> FloatArray:
     """
     Return undersize and direction in the cage of each ball, float64[4, padded].
 
-    The padding is undersized by a metre, so that it never touches.
+    Balls in the padding are undersized by a metre, so that they never touch.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def ball_table(p: TwinParameters) -> FloatArray:
 
 def equations_of(p: TwinParameters, constants: Records, tables: Tables) -> objects.Equations:
     """
-    Put together what the equations of one bearing take, of its records.
+    Return the object of compiled code from the records of one bearing.
 
     Examples
     --------
