@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Time of a whole diagnosis, beside the fast kurtogram of another library in the same process."""
+"""Time of a whole diagnosis and of another library's fast kurtogram in the same process."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ REPEATS = 15
 
 
 def fault_signal(seconds: float = 1.0) -> NDArray[np.float64]:
-    """Inner race fault of a 6307 in white noise: the case in which every stage has work to do."""
+    """Return an inner race fault of a 6307 in white noise, which gives every stage work to do."""
     rng = np.random.default_rng(0)
     n = round(seconds * RATE)
     bpfi = fault_orders(find_bearing('6307')).bpfi * SHAFT_HZ
@@ -40,10 +40,10 @@ def fault_signal(seconds: float = 1.0) -> NDArray[np.float64]:
 
 def measure() -> dict[str, float]:
     """
-    Measure one second at 25.6 kHz, all stages, and a stream with a full window, one core.
+    Measure all stages on one second at 25.6 kHz, and a stream with a full window, on one core.
 
-    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
-    Those of a kurtogram are there where PySDKit is installed.
+    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
+    Those of a kurtogram need PySDKit.
 
     """
     x = fault_signal()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Live run with the real processes: what one bearing costs and how punctual its blocks are."""
+"""Live run with the real processes: processor time of one bearing, lateness of its blocks."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 START_TIMEOUT = 600.0
 RECORDED = 100_000
-"""Size of a recording that holds blocks, bytes for each bearing."""
+"""Size from which on a recording has blocks, bytes per bearing."""
 SETTLE = 3.0
 """Time after which discovery and the first, short windows are over, s."""
 STEP = 30.0
-"""Time between two looks at whether all processes still run, s."""
+"""Time between two checks that all processes still run, s."""
 SHAFT_HZ = 25.4
 NODES = ('twin', 'diagnosis', 'recorder')
 
@@ -36,18 +36,18 @@ def live_run(
     seconds: float, *, calibrate: bool = False, progress: Callable[[float], None] | None = None
 ) -> dict[str, float]:
     """
-    Run twin, diagnosis and recorder (MCAP and Rerun, served and filed) for one bearing.
+    Run twin, diagnosis and recorder (MCAP and Rerun, served and saved) for one bearing.
+
+    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
 
     Parameters
     ----------
     seconds
-        Time measured.
+        Length of the measurement, s.
     calibrate
-        Whether the calibration node fits the twin beside them.
+        Whether a calibration node fits the twin meanwhile.
     progress
-        Called with the seconds that have passed, every half minute.
-
-    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
+        Called with the elapsed seconds, every half minute.
 
     """
     with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:
@@ -98,12 +98,12 @@ def wait_for(
     bag: Path, nodes: NodeProcesses, *, bearings: int = 1, within: float = START_TIMEOUT
 ) -> None:
     """
-    Wait until a recording holds blocks of each of so many bearings.
+    Wait until a recording has blocks of each of ``bearings`` bearings.
 
     Raises
     ------
     BearingTwinError
-        If a process ends, or there are no blocks ``within`` seconds.
+        If a process ends, or there are no blocks after ``within`` seconds.
 
     """
     deadline = time.monotonic() + within
@@ -116,7 +116,7 @@ def wait_for(
 
 
 def cpu_seconds(pid: int) -> float:
-    """CPU time of a process with all its threads, s."""
+    """Return the processor time of a process with all its threads, s."""
     fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 

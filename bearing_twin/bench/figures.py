@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What every figure of ``bearing-twin bench`` is: unit, meaning, and what it should be."""
+"""Unit, meaning and target of every figure of ``bearing-twin bench``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Figure(NamedTuple):
     unit: str
     meaning: str
     target: str = ''
-    """What it should be; ratios hold on every machine, the others on one of today's cores."""
+    """Target; ratios apply to every machine, the others to one of today's cores."""
 
 
 FIGURES = {

@@ -25,15 +25,15 @@ FILES, SECONDS = 1000, 10
 SHAFT_HZ = 25.4
 WORKERS = 2
 SETTLED = FILES // 5
-"""Files after which a worker has loaded everything and met its largest arrays."""
+"""Files after which a worker has loaded everything and allocated its largest arrays."""
 
 
 def measure() -> dict[str, float]:
     """
-    Diagnose the same files in one process, over two workers, and say what the workers grow by.
+    Diagnose the same files in one process and with two workers; measure the workers' growth.
 
-    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
-    There are none where Dask is not installed.
+    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
+    There are none without Dask.
 
     """
     try:
@@ -51,7 +51,7 @@ def measure() -> dict[str, float]:
     ):
         names = _write(Path(name))
         workers = [Process(nanny.process.pid) for nanny in cluster.workers.values()]
-        # The workers load what they need.
+        # A first run, in which the workers load their modules.
         _diagnose([*names[: 16 * WORKERS], '--dask', cluster.scheduler_address], workers)
         alone, _ = _diagnose([*names, '--jobs', '1'], [])
         together, grown = _diagnose([*names, '--dask', cluster.scheduler_address], workers)
@@ -63,7 +63,7 @@ def measure() -> dict[str, float]:
 
 
 def _write(folder: Path) -> list[str]:
-    """Write four machines, and return so many names of them."""
+    """Write the files of four machines; return ``FILES`` names that link to them."""
     for number, defect in enumerate(('none', 'inner', 'outer', 'ball')):
         twin = Simulator(preset('incipient', defect=defect))
         x = twin.advance(round(SECONDS * twin.sample_rate), 20.0, SHAFT_HZ).y
@@ -75,7 +75,7 @@ def _write(folder: Path) -> list[str]:
 
 
 def _diagnose(arguments: list[str], workers: Sequence[Process]) -> tuple[float, float]:
-    """Return the time by the clock, s, and by how many MB that worker grew that grew most."""
+    """Return the elapsed time, s, and the largest growth of a worker, MB."""
     command = [sys.executable, '-c', COMMAND, 'diagnose', '--json', '--bearing', '6307']
     began = time.perf_counter()
     sizes = []

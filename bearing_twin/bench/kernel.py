@@ -4,8 +4,8 @@
 Speed and error of the kernels, against scipy's stiff solvers in the same run.
 
 Everything is included: defect, sensor resonance, decimation to 25.6 kHz, jitter and noise, and for
-the fleet a temperature that changes with every block. Times are those of the processor, best of
-several, on one core.
+the fleet a temperature that changes with every block. Times are processor times on one core, the
+best of several runs.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _FLEET = 512
 _SHORT = 0.2
 """Simulated time over which the adaptive solvers are timed, s."""
 _LONG = 1.0
-"""Simulated time over which errors are taken, s."""
+"""Simulated time over which errors are calculated, s."""
 _JUDGED = (
     ('incipient', 'inner'),
     ('incipient', 'outer'),
@@ -43,16 +43,16 @@ _JUDGED = (
 )
 """Presets and defects, all at 25.4 Hz and 20 degC; the worst error counts."""
 _STEPS = (1, 2, 3, 4, 6)
-"""Equal steps tried for an internal sample."""
+"""Numbers of equal steps per internal sample that are tried."""
 _HARDER = (('inner', 50.0, 500.0), ('outer', 100.0, 500.0), ('inner', 25.4, 5000.0))
-"""Defects, shaft speeds in Hz and loads in N at which the error is taken as well."""
+"""Defects, shaft speeds in Hz and loads in N at which the error is calculated too."""
 
 
 def measure() -> dict[str, float]:
     """
-    Measure; takes about 30 s.
+    Measure speed and error of the kernels; takes about 30 s.
 
-    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
+    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     warm_up(fleet=True)
@@ -109,7 +109,7 @@ def measure() -> dict[str, float]:
 
 
 def _fleet_time(parameters: list[TwinParameters], shaft_hz: np.ndarray) -> float:
-    """Least processor time of a block whose temperatures all change, s."""
+    """Return the least processor time of a block whose temperatures all change, s."""
     fleet = Fleet(parameters, shaft_hz=shaft_hz)
     temperatures = np.linspace(20.0, 100.0, len(parameters))
     fleet.advance(_BLOCK, temperatures, shaft_hz)
@@ -123,7 +123,7 @@ def _fleet_time(parameters: list[TwinParameters], shaft_hz: np.ndarray) -> float
 
 
 def _best(run: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
-    """Least time of ten runs by a clock, s: processor time, unless said."""
+    """Return the least time of ten runs, s; ``clock`` is the processor time by default."""
 
     def once() -> float:
         begin = clock()
@@ -134,7 +134,7 @@ def _best(run: Callable[[], object], clock: Callable[[], float] = time.process_t
 
 
 def _ratio_to_plain(parameters: TwinParameters) -> float:
-    """Processor time of equal steps of Runge-Kutta over the kernel's, at the kernel's error."""
+    """Return the time of fixed-step Runge-Kutta over the kernel's, at the kernel's error."""
     samples, hz = int(_SHORT * _RATE), 25.4
     reference, simulator = solve(parameters, samples, shaft_hz=hz), Simulator(parameters)
     block = simulator.advance(samples, 20.0, hz)
@@ -150,7 +150,7 @@ def _ratio_to_plain(parameters: TwinParameters) -> float:
 
 
 def _errors(parameters: TwinParameters, samples: int, hz: float) -> tuple[float, float]:
-    """Errors of kernel and fleet against an adaptive solver."""
+    """Return the errors of kernel and fleet against an adaptive solver."""
     reference = solve(parameters, samples, shaft_hz=hz)
     single = Simulator(parameters, shaft_hz=hz).advance(samples, 20.0, hz)
     group = Fleet([parameters], shaft_hz=hz).advance(samples, 20.0, hz)
@@ -158,6 +158,6 @@ def _errors(parameters: TwinParameters, samples: int, hz: float) -> tuple[float,
 
 
 def _error(x: np.ndarray, y: np.ndarray, reference: Reference) -> float:
-    """Relative L2."""
+    """Return the relative L2 error."""
     expected = np.array([reference.x, reference.y])
     return float(np.linalg.norm([x, y] - expected) / np.linalg.norm(expected))

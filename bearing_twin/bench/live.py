@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How many bearings at 25.6 kHz one core carries live, with DDS publishing and without."""
+"""Number of bearings at 25.6 kHz that one core runs live, with and without DDS."""
 
 from __future__ import annotations
 
@@ -28,32 +28,32 @@ if TYPE_CHECKING:
 FEW = 16
 """Bearings of the first run, and of the equations alone."""
 PROVED = 0.5
-"""Part of the claimed bearings that is run to prove the claim."""
+"""Fraction of the claimed bearings that must run to prove the claim."""
 GROWTH = 4
-"""Most times the bearings of a run that kept time, from which the next run has its number."""
+"""Largest ratio of a run to the largest one that kept time."""
 CLOSE = 1.25
-"""Ratio of the fewest bearings that were late to the most in time, at which a search ends."""
+"""A search ends if the smallest late fleet is less than this times the largest in time."""
 MORE = 1.05
-"""Least ratio of a run to the one before it that kept time."""
+"""Least ratio of a run to the largest one that kept time."""
 MOST_RUNS = 6
-"""Most runs of a search, repeated ones included."""
+"""Largest number of runs of a search, with repeated ones."""
 START_TIMEOUT = 120.0
-"""Longest start of a fleet whose kernels are compiled, s; one of 150 takes 15 s."""
+"""Time limit for the start of a fleet with compiled kernels, s; one of 150 takes 15 s."""
 SETTLE, SETTLE_DIAGNOSIS = 4.0, 14.0
-"""Time that is not measured, s; windows of 8 s grow until the last diagnosis has a full one."""
+"""Time before the measurement, s; with diagnosis, until all windows have grown to 8 s."""
 MEASURED = 20.0
 UPDATE = 25600
 """Samples from one verdict to the next, 1 s."""
 BLOCKS = 15
-"""Blocks of the equations alone."""
+"""Blocks over which the equations alone are timed."""
 
 
 class FleetRun(NamedTuple):
-    """What a live fleet took, and what became of its blocks and verdicts."""
+    """Processor time of a live fleet, and its late and missing messages."""
 
     bearings: int
     share: float
-    """Of a core."""
+    """Share of a core."""
     late: int
     """Blocks published more than `late_after` behind their deadline."""
     missing: int
@@ -61,18 +61,17 @@ class FleetRun(NamedTuple):
 
     @property
     def kept_time(self) -> bool:
-        """Whether every block and every verdict came, and in time."""
+        """Whether every block and every verdict came in time."""
         return not (self.late or self.missing)
 
 
 class Search:
     """
-    Runs of a fleet that grows until half of what its cost allows has run in time.
+    Search with growing fleets, until half of what their cost allows has kept time.
 
-    A fleet that is late runs again, as something else on the machine may have had the core for a
-    moment. What one bearing adds is taken from the smallest and the largest run that kept time, as
-    what 16 bearings take is little. No more is claimed than twice the largest number that kept
-    time.
+    A fleet that is late runs again, since another process may have had the core for a moment. The
+    cost of a bearing is the slope between the smallest and the largest run that kept time, since
+    16 bearings alone take little. The claim is at most twice the largest number that kept time.
     """
 
     def __init__(self) -> None:
@@ -80,7 +79,7 @@ class Search:
         self._late: list[int] = []
 
     def add(self, run: FleetRun) -> None:
-        """Take a run."""
+        """Add a run."""
         if run.kept_time:
             self._runs.append(run)
         elif self._runs or not self._late:
@@ -94,7 +93,7 @@ class Search:
 
     @property
     def following(self) -> int:
-        """Number of bearings of the next run; 0 where the claim is proved, or late beyond it."""
+        """Number of bearings of the next run; 0 if the search has ended."""
         if not self._runs:
             return FEW
         if self.made == MOST_RUNS:
@@ -116,7 +115,7 @@ class Search:
 
     @property
     def claim(self) -> float:
-        """Bearings for a core."""
+        """Number of bearings that one core can run."""
         return min(self._affordable, self.proved / PROVED)
 
     @property
@@ -126,12 +125,12 @@ class Search:
 
     @property
     def late(self) -> int:
-        """Smallest number of bearings that did not; 0 where all did."""
+        """Smallest larger number that did not keep time; 0 if all did."""
         return min((late for late in self._late if late > self.proved), default=0)
 
     @property
     def per_bearing(self) -> float:
-        """Share of a core that each bearing adds; with one run also that of the process."""
+        """Share of a core per added bearing; of a single run, with the share of the process."""
         first, last = self._runs[0], self._runs[-1]
         if first is last:
             return last.share / last.bearings
@@ -139,7 +138,7 @@ class Search:
 
     @property
     def process(self) -> float:
-        """Share of a core that the process takes as such."""
+        """Share of a core that the process takes without bearings."""
         first = self._runs[0]
         return first.share - first.bearings * self.per_bearing
 
@@ -150,14 +149,14 @@ class Search:
 
 def measure(say: Callable[[str], None] = lambda _: None) -> dict[str, float]:
     """
-    Run fleets until half of what a core carries has run without a late or a missing block.
+    Run fleets until half of what a core can run has run without late or missing blocks.
+
+    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
 
     Parameters
     ----------
     say
         Called with a sentence before and after each run.
-
-    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
 
     Raises
     ------
@@ -201,7 +200,7 @@ def _search(say: Callable[[str], None], *, diagnosis: bool) -> Search:
 
 
 def _advance_share() -> float:
-    """CPU time of one twin's equations of motion in a fleet, and of its state, over real time."""
+    """Return the share of a core of the equations and the state of one twin in a fleet."""
     fleet = Fleet([preset('incipient', defect='inner')] * FEW)
     fleet.advance(BLOCK, 20.0, 25.4)
     fleet.condition(0)
@@ -215,7 +214,7 @@ def _advance_share() -> float:
 
 
 def _run_fleet(count: int, *, diagnosis: bool) -> FleetRun:
-    """Run a fleet of ``count`` and a recorder."""
+    """Run a fleet of ``count`` bearings and a recorder."""
     with tempfile.TemporaryDirectory() as name, own_domain(os.getpid()) as domain:
         folder = Path(name)
         parts = 'twin: {defect: inner}' + (', diagnosis: {}' if diagnosis else '')
@@ -250,7 +249,7 @@ def _blocks(bag: Path, count: int, began: int, ended: int) -> tuple[int, int]:
 
 
 def _missing(bag: Path, count: int, name: str, step: int, began: int, ended: int) -> int:
-    """Count messages of all bearings, one each ``step`` samples, that are not there."""
+    """Count the missing messages of all bearings; one is due each ``step`` samples."""
     topics = [f'/bearing_{k}/{name}' for k in range(count)]
     firsts = _recorded(bag, topics, 'first_sample', began, ended)
     if not all(firsts.values()):
@@ -262,7 +261,7 @@ def _missing(bag: Path, count: int, name: str, step: int, began: int, ended: int
 def _recorded(
     bag: Path, topics: list[str], field: str, began: int, ended: int
 ) -> dict[str, list[int]]:
-    """Whole numbers in a field of the messages of each topic between two times, ns, by topic."""
+    """Return the integers in a field of the messages between two times, ns, by topic."""
     found: dict[str, list[int]] = {topic: [] for topic in topics}
     for message in read_messages(bag, topics=topics):
         if began <= message.log_time <= ended:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Offline replay: twin, diagnosis and MCAP writing against real time."""
+"""Speed of offline replay: twin, diagnosis and MCAP writing against real time."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ if TYPE_CHECKING:
 _RUNS = 3
 _BLOCK = 1024
 _HELD = 20.0
-"""Temperature of the equations by which `kernel_rtf` is measured, degC."""
+"""Temperature at which `kernel_rtf` is measured, degC."""
 
 
 class _Times(NamedTuple):
-    """What a run of one twin took, s; the fastest of several."""
+    """Times of a run of one twin, s; the fastest of several runs."""
 
     offline: float
     verify: float
     equations: float
-    """Of the same twin at the same temperatures."""
+    """Equations of the twin alone, at the same temperatures."""
     held: float
-    """Of the same twin for the same time at one temperature."""
+    """Equations of the twin alone, for the same time at one temperature."""
     duration: float
-    """Recorded, s."""
+    """Recorded duration, s."""
 
 
 def measure() -> dict[str, float]:
     """
-    Run the paper's schedule offline, and verify the recording that comes out.
+    Run the paper's schedule offline, and verify the resulting recording.
 
     The fastest of three runs counts, after one that loads and compiles. This is done with the
     default twin, and with the twin of `kernel_rtf`, whose equations are about twice as fast.
-    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
+    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     default, kernel = _run('paper'), _run('incipient')
@@ -83,7 +83,7 @@ def _run(name: str) -> _Times:
 
 
 def _equations(name: str, course: NDArray[np.float64]) -> float:
-    """Return the time that the equations of a twin alone take, a block at each temperature, s."""
+    """Return the time of a twin's equations alone, s, with one block at each temperature."""
     simulator = Simulator(preset(name, defect='inner'))
     began = time.perf_counter()
     for temperature in course:

@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 RUNS = 2
 AT_ONCE = 500
-"""Messages that are drawn without waiting for the server, far fewer than it drops."""
+"""Messages drawn between two waits for the server: far fewer marks than its queue holds."""
 
 
 def measure() -> dict[str, float]:
     """
     Draw a recording of twin and diagnosis at 25.6 kHz as the recorder does.
 
-    Each load is the lower of two runs after one that loads.
-    The meaning of each figure stands in :data:`bearing_twin.bench.figures.FIGURES`.
+    Each load is the lower of two runs, after a first one that loads everything.
+    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name:
@@ -50,7 +50,7 @@ def measure() -> dict[str, float]:
 
 
 def _draw(messages: list[RecordedMessage], rrd: Path | None) -> tuple[float, float]:
-    """Return the processor time and the longest call, s; without a file for live viewers."""
+    """Return processor time and longest call, s; without ``rrd`` it draws for live viewers."""
     longest = 0.0
     began = time.process_time()
     serve = None if rrd else (LOOPBACK, 0)
