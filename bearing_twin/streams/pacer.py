@@ -121,7 +121,7 @@ class Pacer:
         self._tick_anchor = None
 
     def step(self, *, ticks: int, time: int) -> None:
-        """Let the next block begin now because the clocks have been set; clocks as above."""
+        """Let the next block begin now because a clock was set; arguments as in :meth:`anchor`."""
         self.clock_steps += 1
         self.anchor(ticks=ticks, time=time)
 

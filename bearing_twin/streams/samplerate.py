@@ -22,8 +22,8 @@ FEWEST = 3
 
 WARNED, REFUSED = 0.02, 0.1
 """Relative deviations from the declared rate. Above the first there is a warning: the search for
-the fault frequencies tolerates about as much. Above the second samples are refused: each fault
-frequency then lies at the place of another one, or of none."""
+the fault frequencies tolerates about as much. Above the second samples are refused: the search
+for one fault frequency would then find another one, or none."""
 
 
 class RateProblem(NamedTuple):

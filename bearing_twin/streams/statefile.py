@@ -29,7 +29,8 @@ _VERSION = 3001
 
 LARGEST = 64 * 1024 * 1024
 _LONGEST_NAME = 200
-"""Bytes. A file name may have 255; those of lock, part and unreadable file are longer."""
+"""Bytes. A file name may have 255; names of lock and temporary files are longer than the state's
+own."""
 
 T = TypeVar('T')
 

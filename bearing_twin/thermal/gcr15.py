@@ -38,8 +38,8 @@ FRICTION_TABLE = _column(
 """Table 3, average friction coefficient, dimensionless."""
 
 BETA0_LOW, BETA0_HIGH = 0.5, 1.5
-"""Limits of beta0 over the tables. The model was not examined with stiffness and spall depth
-outside: contact is lost or the force is not monotonic."""
+"""Limits of beta0 over the tables. Outside, stiffness and spall depth leave the range in which the
+model was examined: contact is lost, or the force is not monotonic."""
 
 
 def check_temperature(temperature: float) -> float:

@@ -181,7 +181,8 @@ def skids(constants: Records, values: FloatArray) -> bool:
     """
     Whether the traction of the balls does not suffice; ``values`` come from `evaluate`.
 
-    A slip that is a sum of parts may differ from the highest slip in the last bit.
+    The comparison has a tolerance, since a slip that is a sum of parts may differ from the highest
+    slip in the last bit.
 
     Examples
     --------

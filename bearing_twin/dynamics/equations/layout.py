@@ -69,7 +69,7 @@ STATE = np.dtype(
         *_numbers('cage shaft spin'),  # phases, turns
         *_numbers('cage_cos cage_sin shaft_cos shaft_sin'),
         ('sensor', _F, 4),  # two states along x, two along y
-        *_numbers('loaded near'),  # see `integrator.contact`
+        *_numbers('loaded near'),  # see `integrator._balls_force`
         *((name, _F, 4) for name in ('next_q', 'next_v', 'next_a')),
         ('next_step', _F),  # the step to which the three above are predicted, s
     ]
@@ -103,7 +103,7 @@ MACHINE = np.dtype(
 
 DEFECT = np.dtype(
     [
-        ('place', np.int64),  # index into `parameters.PLACES`
+        ('place', np.int64),  # index into `bearing.PLACES`
         *_numbers('profile half depth angle'),  # codes of `model.PROFILES`; m, m, turns
         ('ball', np.int64),
         *_numbers('inner_curvature outer_curvature'),  # of the ball path on the race, 1/m

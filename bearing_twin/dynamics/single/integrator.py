@@ -39,8 +39,8 @@ unloaded balls; for one bearing this is faster than vector lanes with a final su
 FAR = 1.0
 """Upper limit of ``near``, s."""
 _MASKED = 52
-"""Balls with a bit of their own. Further balls share the next bit, and their contact is followed
-less accurately. The state holds the bits as a float, which has room for 53."""
+"""Number of balls with a bit of their own. Further balls share the next bit, and their contact is
+followed less accurately. The state holds the bits as a float, which has room for 53."""
 _PART = 0.5
 """Largest piece of a step, in units of the time to or since the nearest change of contact."""
 _SMALLEST = 0.2

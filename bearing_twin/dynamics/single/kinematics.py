@@ -196,7 +196,7 @@ def advance_steps(state, bearing, walk, begin, steps, gaps):
     cs, ss = state.shaft_cos, state.shaft_sin
     # A fast ramp that begins between grid points extrapolates below zero at the grid point.
     wander = walk * math.sqrt(max(inputs.shaft_hz, 0.0))
-    spin_per_cage = machine.spin_order / machine.ftf_order  # slip slows both alike
+    spin_per_cage = machine.spin_order / machine.ftf_order  # proportional speeds
     for i in range(steps.shape[0]):
         middle, end = begin + i + 0.5, begin + i + 1.0
         hz = inputs.shaft_hz + growth.shaft_hz * middle
