@@ -101,7 +101,7 @@ class Simulator:
     sample_rate
         Output rate, Hz, 2000 to 204800.
     seed
-        Seed of jitter and noise, 0 to 2^32 - 1.
+        Seed of jitter, noise and surface profiles, 0 to 2^32 - 1.
     temperature
         Temperature at the start, degC, 20 to 110.
     shaft_hz
