@@ -30,11 +30,11 @@ FEW = 16
 PROVED = 0.5
 """Fraction of the claimed bearings that must run to prove the claim."""
 GROWTH = 4
-"""Largest ratio of a run to the largest one that kept time."""
+"""Largest ratio of a run's bearings to the largest number that kept time."""
 CLOSE = 1.25
 """A search ends if the smallest late fleet is less than this times the largest in time."""
 MORE = 1.05
-"""Least ratio of a run to the largest one that kept time."""
+"""Least ratio of a run's bearings to the largest number that kept time."""
 MOST_RUNS = 6
 """Largest number of runs of a search, with repeated ones."""
 START_TIMEOUT = 120.0

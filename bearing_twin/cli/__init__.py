@@ -55,7 +55,7 @@ COMMANDS = {
 """Name and one-line help of every sub-command."""
 
 SLOW = 5.0
-"""Time after which a command that compiles says so, s."""
+"""Time after which a command reports that it compiles, s."""
 
 
 def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int) -> int:

@@ -75,7 +75,7 @@ def _striking(order: float) -> dict[str, str]:
 
 
 def _matching(query: str) -> list[Bearing]:
-    """Return the bearing of that name, else all with this beginning or this part of the kind."""
+    """Return the bearing of this name, or all with this start of the name or part of the kind."""
     folded = query.strip().casefold()
     known = catalogue().values()
     if not folded:

@@ -28,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Recover; status 0 if anything was saved."""
+    """Recover; return 0 if anything was saved."""
     source: Path = args.recording
     if not source.name or source.name == '..':
         source = source.resolve()

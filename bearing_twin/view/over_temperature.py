@@ -35,7 +35,7 @@ SAME_SPEED = 0.02
 """Relative difference up to which two shaft speeds count as equal: the range of slip."""
 NUMBERED, UNNUMBERED = (0.0, 100.0), 45.0
 """
-Temperatures in degC that an axis in the viewer includes if it spans more than ``UNNUMBERED`` in K:
+Temperatures in degC that an axis in the viewer includes if it spans more than ``UNNUMBERED`` K:
 on a laptop it is then numbered only at each 100 degC.
 """
 NO_SECOND = (0.0, 0.0, 0.0)
@@ -49,7 +49,7 @@ class Curve(NamedTuple):
     title: str
     """Name with the unit."""
     temperatures: NDArray[np.float64]
-    """degC, rising."""
+    """Temperatures of the classes, degC, rising."""
     values: NDArray[np.float64]
 
     @property
@@ -68,9 +68,9 @@ class Strip(NamedTuple):
     """A short piece of the waveform at one temperature."""
 
     temperature: float
-    """degC; NaN where it is not known."""
+    """Temperature, degC; NaN if it is not known."""
     sample_rate: float
-    """Hz."""
+    """Sample rate, Hz."""
     samples: NDArray[np.floating]
 
 
@@ -162,7 +162,7 @@ class OverTemperature:
 
     @property
     def is_wide(self) -> bool:
-        """Whether the temperatures span more than ``UNNUMBERED`` in K."""
+        """Whether the temperatures span more than ``UNNUMBERED`` K."""
         steps = [step for sums in self._longest.sums.values() for step in sums]
         return bool(steps) and STEP * (max(steps) - min(steps)) > UNNUMBERED
 

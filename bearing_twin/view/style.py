@@ -61,7 +61,7 @@ FAMILIES = (
     Family('ball', '2 x BSF', (251, 140, 0)),
     Family('cage', 'FTF', (171, 71, 188)),
 )
-"""In the order of the per-family arrays of a Diagnosis."""
+"""Families in the order of the per-family arrays of a Diagnosis."""
 
 _VERDICT_COLOURS: dict[str, Colour] = {
     'healthy': (56, 142, 60),

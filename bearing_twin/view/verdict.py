@@ -21,7 +21,7 @@ from bearing_twin.stamps import stamp_ns, time_unit
 from bearing_twin.view.trends import recorded
 
 SUSTAINED = 3
-"""Consecutive windows from which on a verdict is sustained."""
+"""Number of consecutive windows after which a verdict is sustained."""
 NO_LEVEL = 3
 """Constant ``LEVEL_NONE`` of a Diagnosis."""
 OK, SUSPECT, FAULT = 0, 1, 2
@@ -139,7 +139,7 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
     stage, (share, claim) = _stage(diagnosis), confidence(diagnosis)
-    # The claim needs no words if the heading names a place.
+    # The claim is not repeated if the heading names a place.
     named = stage and claim == CLAIMS['fault']
     if stage:
         text = f'{stage} of 4, {STAGES[stage]}'

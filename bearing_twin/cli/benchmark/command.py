@@ -57,7 +57,7 @@ WINDOWS = (0.0, 1.0, 2.0, 4.0)
 """Lengths of the pieces, s; 0: the whole record."""
 
 PIECES = 3
-"""Most pieces taken from the beginning of a record, at each length."""
+"""Largest number of pieces taken from the beginning of a record, at each length."""
 
 NOMINAL_TOLERANCE = 0.05
 """Tolerance of a nominal speed; a measured one has the default tolerance."""

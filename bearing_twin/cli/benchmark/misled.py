@@ -38,7 +38,7 @@ Judged = tuple[str, bool, str, bool]
 
 
 def others(record: str, bearing: Bearing) -> Iterator[Bearing]:
-    """Yield catalogue bearings other than the machine's, the same for a record each time."""
+    """Yield catalogue bearings other than the machine's; a record always has the same ones."""
     known = list(catalogue().values())
     order = np.random.default_rng(zlib.crc32(record.encode())).permutation(len(known))
     yield from islice((known[i] for i in order if is_another(known[i], bearing)), COUNT)

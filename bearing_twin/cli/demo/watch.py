@@ -67,7 +67,7 @@ class Watcher:
         timeout: float,
         what: str = 'the nodes did not come up',
     ) -> None:
-        """Listen until ``ready`` returns something true; at the timeout, ``what`` is the error."""
+        """Listen until ``ready`` returns something true; ``what`` is the error at a timeout."""
         deadline = time.monotonic() + timeout
         while not ready():
             check()

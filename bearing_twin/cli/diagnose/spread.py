@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 MOST_AT_ONCE = 16
-"""Most files of one task of Dask; their answers arrive together."""
+"""Largest number of files in one task of Dask; their answers arrive together."""
 
 
 def answers(

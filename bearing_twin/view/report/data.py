@@ -47,11 +47,11 @@ class Machine:
     measured: list[tuple[float, float]] = field(default_factory=list)
     """Times and measured temperatures in degC."""
     states: list[tuple[float, Any]] = field(default_factory=list)
-    """TwinState messages, thinned."""
+    """Times and TwinState messages, thinned."""
     last_state: Any = None
     """The last TwinState message; None without a twin."""
     calibrations: list[tuple[float, Any]] = field(default_factory=list)
-    """Calibration messages."""
+    """Times and Calibration messages."""
     worst_lateness: float = math.nan
     """Largest lateness of a block, s."""
     vibration: list[tuple[float, float, float]] = field(default_factory=list)
@@ -191,7 +191,7 @@ class _Collector:
         """
         Whether the topic is used for its kind: the one called ``name``, or else the first.
 
-        If that one comes after another topic, ``forget`` discards the other's data.
+        If the topic called ``name`` comes later, ``forget`` discards the data of the other one.
         """
         before = self._chosen.setdefault(name, self._topic)
         if before != self._topic and self._topic.endswith(f'/{name}'):

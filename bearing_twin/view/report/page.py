@@ -196,7 +196,7 @@ def _banner(machine: Machine, worst: Any) -> str:
 
 
 def _measurement(machine: Machine, worst: Any) -> list[tuple[str, str]]:
-    """Return asset, sensor, bearing, window and measured levels."""
+    """Return rows of asset, sensor, bearing, window and measured levels."""
     rows = [
         ('Asset', machine.hardware or machine.namespace or 'not named'),
         ('Sensor', machine.source.frame or 'not named'),

@@ -314,7 +314,7 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
 
 
 def _deciding(machine: Machine) -> tuple[str, ...]:
-    """Return the keys of the deciding panels; level only without velocity and baseline."""
+    """Return keys of the deciding panels: with velocity if judged, or level without a baseline."""
     if any(judged_by_velocity(message) for _, message in machine.diagnoses):
         return *DECIDING, 'velocity'
     known = np.isfinite(_values(machine.diagnoses, 'level_over_baseline')).any()

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 MOST_CARDS = 12
 """Largest number of bearings with cards on the common page; more could not be read."""
 LONGEST = 22
-"""Longest name above a card, in letters; a card is a quarter of a laptop's screen wide."""
+"""Longest name above a card, characters; a card is a quarter of a laptop's screen wide."""
 
 
 def layout(

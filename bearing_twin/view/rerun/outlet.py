@@ -21,9 +21,9 @@ Mark = Callable[[rr.RecordingStream], None]
 """A drawing that adds itself to a recording. It is made once for all outlets."""
 
 WAITING = 500
-"""Most marks queued for the viewers: half a minute of a bearing, some 20 MB."""
+"""Largest number of marks queued for the viewers: half a minute of a bearing, some 20 MB."""
 LASTING = 10_000
-"""Most lasting marks queued: the styles, bodies and layouts of a fleet."""
+"""Largest number of lasting marks queued: the styles, bodies and layouts of a fleet."""
 FLUSH_TIMEOUT = 5.0
 CLOSE_TIMEOUT = 4.0
 """Time limit for closing, s; ROS 2 kills a node that takes more than 5 s."""
@@ -37,7 +37,7 @@ def release() -> None:
     (rerun-io/rerun#2116), and one that failed makes all later ones fail. The call waits for all
     open outlets: do not call it while a viewer is frozen.
     """
-    with contextlib.suppress(RuntimeError):  # of others, which tell it themselves
+    with contextlib.suppress(RuntimeError):  # of other outlets, which report it themselves
         rerun_bindings.flush_and_cleanup_orphaned_recordings()
 
 

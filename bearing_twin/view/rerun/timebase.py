@@ -19,7 +19,7 @@ FAR = 10 * NANO
 
 
 def stamp_of(message: Any) -> int | None:
-    """Return the stamp of a message in ns, or None where it has none."""
+    """Return the stamp of a message in ns; None if it has none."""
     header = getattr(message, 'header', None)
     stamp = getattr(header if header is not None else message, 'stamp', None)
     if not (hasattr(stamp, 'sec') and hasattr(stamp, 'nanosec')):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 CLOSE = 0.25
-"""Length of the close look at the waveform, s."""
+"""Length of the close view of the waveform, s."""
 WIDE = 10.0
 """Length of the waveform's envelope, s."""
 

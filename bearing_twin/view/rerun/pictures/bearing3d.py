@@ -320,7 +320,7 @@ class Bearing3D:
 
 
 def _defects(text: str) -> tuple[Defect, ...]:
-    """Return the defects of a state; none where the text cannot be read."""
+    """Return the defects of a state; empty if the text cannot be read."""
     try:
         return read_defects(text, width=1e-3, depth=1e-4, profile='ball')
     except BearingTwinError:

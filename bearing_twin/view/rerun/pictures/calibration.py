@@ -23,7 +23,7 @@ FIELDS = 'measured_turn', 'twin_turn'
 ALIKE_DB = 10.0
 """Least range of the axis of the spectral difference, dB."""
 BARS = 400
-"""Most bars of one revolution."""
+"""Largest number of bars of one revolution."""
 
 
 class CalibrationPicture(Picture):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 MOST = 24
-"""Most lines of one topic."""
+"""Largest number of lines of one topic."""
 SHORT = 12
 """Arrays up to this length are lines, longer ones bars."""
 COLOURS = [LINE[key] for key in ('blue', 'green', 'orange', 'violet', 'red', 'olive')]
@@ -100,6 +100,6 @@ def _thinned(values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
 
 
 def _labels(message: Any) -> list[str]:
-    """Return the labels that a multi-array gives its elements; [] where it gives none."""
+    """Return the labels that a multi-array gives its elements; [] if there are none."""
     layout = getattr(message, 'layout', None)
     return [str(d.label) for d in getattr(layout, 'dim', ())] if layout is not None else []

@@ -38,7 +38,7 @@ class Asset:
     namespace: str = ''
     """'' for the root namespace."""
     narrow: bool = False
-    """Whether it stands beside another recording."""
+    """Whether another recording is shown beside it."""
     full: bool = False
     """Draw every sample of the vibration instead of a part of each second and its envelope."""
     temperature: float = math.nan

@@ -97,7 +97,7 @@ def lathe(profile: NDArray[np.float64], colour: Colour) -> rr.Mesh3D:
 
 def _ring(bearing: Bearing, far: float, sign: float) -> NDArray[np.float64]:
     """
-    Profile of a ring whose groove faces the balls; sign 1 outer ring, -1 inner ring.
+    Return the profile of a ring with a groove; sign 1 outer ring, -1 inner ring.
 
     The front is cut off at :func:`face`, so that the balls can be seen in their groove.
     """

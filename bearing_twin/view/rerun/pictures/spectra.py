@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 BARS = 200
-"""Most bars drawn, of two pixels or more each; the highest of neighbouring bins is kept."""
+"""Largest number of bars, of two pixels or more; each has the highest of neighbouring bins."""
 MARK = 0.1
 """Length of the marks below the axis, relative to the axis above it."""
 MARK_WIDTH = 1.0 / 200.0
@@ -47,8 +47,8 @@ LIMITS = {'limit': INDEX_FAULT, 'remark': INDEX_SUSPECT}
 """Limits of the modulation index by colour: of a fault, and of suspect."""
 NARROW, WIDE = 4.0, 6.0
 """
-Most steps of 1, 10 or 100 Hz at which the viewer numbers every step on a laptop's screen, beside
-another recording and alone.
+Largest number of steps of 1, 10 or 100 Hz at which the viewer numbers every step on a laptop's
+screen, beside another recording and alone.
 """
 
 

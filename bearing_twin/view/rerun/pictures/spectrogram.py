@@ -40,7 +40,7 @@ class Spectrogram:
         self._canvas = canvas
         self._name = name
         self.levels = np.full((ROWS, COLUMNS), -np.inf)
-        """dB re 1 unit, lowest band first, oldest step first."""
+        """Levels, dB re 1 unit, lowest band first, oldest step first."""
         self._pending = np.empty(0)
         self._rate = 0.0
         self._new = DRAW_EVERY
