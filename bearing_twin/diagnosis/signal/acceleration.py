@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Units of acceleration, as files and messages write them."""
+"""Conversion of acceleration units, as spelled in files and messages, to m/s^2."""
 
 import math
 
@@ -17,7 +17,7 @@ _FACTORS = {
 
 def acceleration_factor(unit: str) -> float:
     """
-    Factor from ``unit`` to m/s^2; NaN where the unit is not known to be an acceleration.
+    Return the factor from ``unit`` to m/s^2; NaN if it is not a known unit of acceleration.
 
     >>> acceleration_factor('g'), acceleration_factor('V')
     (9.80665, nan)

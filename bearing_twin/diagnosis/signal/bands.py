@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Squared envelopes of the bands of a spectrum: which bands there are, and their demodulation."""
+"""Band tree of a spectrum, and squared envelopes of its bands."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class BandTree:
 
     bin_hz: float
     levels: tuple[tuple[int, tuple[int, ...]], ...]
-    """Per level the width and the first bins of its bands."""
+    """For each level, the width and the first bins of its bands."""
 
     @functools.cached_property
     def bands(self) -> list[tuple[float, float]]:
@@ -52,10 +52,10 @@ def band_tree(
     bins: int, bin_hz: float, *, depth: int, narrowest_hz: float, reach: float = math.inf
 ) -> BandTree:
     """
-    Tree over ``bins`` bins: the whole range, then 3, 7, 15, ... half-overlapping bands.
+    Return a tree over ``bins`` bins: the whole range, then 3, 7, 15, ... half-overlapping bands.
 
-    It ends at ``depth`` halvings or where a band would be narrower than ``narrowest_hz``. No
-    band ends beyond ``reach`` times its width: what rings there fills wider ones.
+    It ends after ``depth`` halvings, or before bands narrower than ``narrowest_hz``. No band ends
+    above ``reach`` times its width: a resonance there fills wider bands.
 
     >>> band_tree(12800, 1.0, depth=3, narrowest_hz=500.0).bands[:2]
     [(0.0, 12800.0), (0.0, 6400.0)]
@@ -80,7 +80,7 @@ def squared_envelopes(
     whitened: NDArray[np.complex64], tree: BandTree, points: int
 ) -> list[NDArray[np.float32]]:
     """
-    Demodulate every band and sample its squared envelope at equal steps.
+    Return the squared envelope of every band, sampled at equal steps.
 
     A slice of the one-sided spectrum, transformed back, is the analytic signal of an ideal band
     filter (Ho and Randall 2000). The spectrum of its squared envelope is the autocorrelation of
@@ -93,12 +93,12 @@ def squared_envelopes(
     tree
         Bands.
     points
-        Points over the length of the record, at least 16.
+        Number of points over the length of the record, at least 16.
 
     Returns
     -------
     Arrays of shape (``points``, n) whose columns are the bands, whitening by whitening: sixteen
-    each, and 4 or 16 at last, where what is beyond the bands is zero.
+    columns each, 4 or 16 in the last one. Columns after the last band are zero.
 
     >>> from bearing_twin.diagnosis.signal.spectra import whiten
     >>> noise = np.random.default_rng(0).standard_normal(25600)
@@ -116,13 +116,13 @@ def squared_envelopes(
         np.ascontiguousarray(real_columns(lags, first, points)) for first in range(0, count, L)
     ]
     if count % L == 4:
-        # Four columns are transformed as sixteen of a quarter of the length.
+        # Four columns are later transformed as sixteen columns of a quarter of the length.
         envelopes[-1] = np.ascontiguousarray(envelopes[-1][:, :4])
     return envelopes
 
 
 def _tile(tree: BandTree) -> int:
-    """Bins of a tile: half of the narrowest band, or fewer, so that there are sixteen."""
+    """Return the bins of a tile: at most half the narrowest band, and at least sixteen tiles."""
     return min(tree.levels[-1][0] // 2, tree.levels[0][0] // L)
 
 
@@ -157,16 +157,16 @@ def _by_band(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
 
 def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.float32]) -> None:
     """
-    Write the same, for a tree that is made of equal tiles.
+    Write the autocorrelation of each band, conjugated, for a tree of equal tiles.
 
-    Bands overlap, so their autocorrelations are summed from the products within each tile and
-    those of each tile with the next ones, as far as the lags reach: every bin is transformed once
-    for all levels, not once per band. Tiles are transformed in parts, as short as the lags allow,
-    and the products of parts are summed before they are transformed back.
+    Bands overlap, so their autocorrelations are sums of products within each tile and with the
+    next tiles, as far as the lags reach. Every bin is transformed once for all levels, not once
+    per band. Tiles are transformed in parts, as short as the lags allow, and the products of parts
+    are summed before they are transformed back.
     """
     parts, part, members = _tiling(tree, len(lags) - 1)
     signals = aligned(len(whitened), members.shape[1] * parts, 2 * part + 1, ROW)
-    # What is behind the parts is read, and must be finite.
+    # The row after the parts is read, so it must be finite.
     signals[:, :, -1] = 0.0
     rows, other = aligned(2, 2 * part, ROW)
     work = aligned(21, ROW)
@@ -179,10 +179,10 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
 @functools.lru_cache(maxsize=256)
 def _tiling(tree: BandTree, reach: int) -> tuple[int, int, NDArray[np.float32]]:
     """
-    Parts of a tile, bins of a part, and which products of tiles belong to a band.
+    Return the parts of a tile, the bins of a part, and the products of tiles in each band.
 
-    A tile has most parts, each as long as the lags reach; one where they reach further. Members
-    are for tiles that are 0, 1, ... tiles apart as `_add_lags` asks, (A, groups, 16, 16 n).
+    A tile has as many parts as possible, each at least as long as the lags; else one part. The
+    memberships are for tiles 0, 1, ... tiles apart, (A, groups, 16, 16 n), see `_add_lags`.
     """
     tile = _tile(tree)
     parts = max(
@@ -228,20 +228,20 @@ def _add_tiles(
     parts, members
         See `_tiling`.
     bands
-        Bands of a whitening.
+        Number of bands of a whitening.
     turns, radices
-        Of the length of a transform, twice that of a part.
+        Twiddle factors and factors of the length of a transform, which is twice that of a part.
     signals
-        (2, groups parts, 2 part + 1, 32) to work in; finite behind the last row but one.
+        (2, groups parts, 2 part + 1, 32) scratch memory; the last row is finite.
     rows, other, work
-        (2 part, 32), the same, and (21, 32) to work in.
+        (2 part, 32), (2 part, 32) and (21, 32) scratch memory.
     lags
         (K, 2, >= 2 bands + 16) real and imaginary parts, added to.
 
     """
     part, groups = len(rows) // 2, members.shape[1]
     count, values = groups * parts, work[20]
-    # A transform goes from one array into another and back, pass by pass.
+    # The passes of a transform go from one array into another and back.
     crosses = len(radices) % 2 == 1
     sums = other if crosses else rows
     for whitening in range(2):
@@ -261,7 +261,7 @@ def _add_tiles(
         for apart in range(1, len(members)):
             for group in range(groups):
                 first, last = group * parts, (group + 1) * parts - 1
-                # The last part of a tile is multiplied with one of another tile.
+                # The last part of a tile is multiplied with a part of another tile.
                 for begin, end, beside in ((first, last, 0), (last, last + 1, apart)):
                     if begin == end:
                         continue
@@ -280,7 +280,7 @@ def _parts_beside(
     spectrum: NDArray[np.complex64], part: int, step: int, first: int, rows: NDArray[np.float32]
 ) -> None:
     """
-    Put parts of a spectrum side by side, zeros below: every so many parts, from one on.
+    Write parts of a spectrum side by side, with zeros below.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def _parts_beside(
     part
         Bins.
     step, first
-        Parts from one to the next, and the first.
+        Step from one part to the next, in parts, and first part.
     rows
         (2 part, 32), written.
 
@@ -305,7 +305,7 @@ def _parts_beside(
 def _add_powers(
     one: NDArray[np.float32], other: NDArray[np.float32], out: NDArray[np.float32]
 ) -> None:
-    """Add squared magnitudes: of one (N, 32) to real, of the other to imaginary parts."""
+    """Add the squared magnitudes of ``one`` to real, and of ``other`` to imaginary parts."""
     for n in range(len(out)):
         ar, ai, br, bi = load(one[n], 0), load(one[n], 1), load(other[n], 0), load(other[n], 1)
         store(out[n], 0, load(out[n], 0) + ar * ar + ai * ai)
@@ -317,14 +317,14 @@ def _add_products(
     one: NDArray[np.float32], other: NDArray[np.float32], shift: int, out: NDArray[np.float32]
 ) -> None:
     """
-    Add the products of parts with the conjugates of those some columns further on.
+    Add the products of parts with the conjugates of the parts some columns further on.
 
     Parameters
     ----------
     one, other
-        (N, 32); behind the other there are ``shift`` finite numbers.
+        (N, 32) parts; ``shift`` finite numbers follow ``other``.
     shift
-        Columns; as many products at the end mean nothing, but are finite.
+        Number of columns; as many products at the end are finite but meaningless.
     out
         (N, 32), added to.
 
@@ -349,21 +349,22 @@ def _add_lags(
     lags: NDArray[np.float32],
 ) -> None:
     """
-    Add to the autocorrelation of each band, conjugated, the products of parts of its tiles.
+    Add the products of parts of its tiles to the conjugated autocorrelation of each band.
 
     Parameters
     ----------
     products
-        (2 part, 32) transforms: of the squared magnitudes of two whitenings, or of the products
-        of parts so far apart; both are sums over the parts of a tile.
+        (2 part, 32) transforms of the squared magnitudes of both whitenings, or of the products of
+        parts of one whitening that are ``apart`` parts apart. Both are sums over the parts of a
+        tile.
     whitening, apart
-        See ``products``.
+        Index of the whitening, and distance of the parts.
     members
-        (16, 16 n) one where a product of tiles belongs to a band, else zero.
+        (16, 16 n), one if a product of tiles belongs to a band, else zero.
     first
         Column of the first band.
     values
-        (32,) to work in.
+        (32,) scratch memory.
     lags
         (K, 2, >= first + 16 n) real and imaginary parts, added to.
 

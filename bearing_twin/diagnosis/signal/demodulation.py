@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Segments: about a second of vibration, demodulated once for all windows that hold it.
+Segments: about a second of vibration, demodulated once for all windows that contain it.
 
-A window is made of segments that lap over a little. Their ends fade as sine and cosine, so the
-squared envelopes of neighbours add up to those of the whole.
+A window consists of segments that overlap a little. Their ends fade as sine and cosine, so the
+squared envelopes of neighbours add up to the envelope of the whole.
 """
 
 from __future__ import annotations
@@ -30,27 +30,27 @@ if TYPE_CHECKING:
 
 
 SECONDS = 1.0
-"""Least length of a segment, where the window has it."""
+"""Least length of a segment, s, if the window is as long."""
 
 _REACH = 0.5 / DAMPING
-"""Bands reach up to so many times their width: what rings there is as wide, to half its power."""
+"""Upper edge of the highest bands, in band widths: a resonance there has that half-power width."""
 _TREE_DEPTH, _NARROW_HZ = 3, HIGHEST_RINGING_HZ / _REACH
-"""Halvings of the range down to the narrowest bands, and their width above 25.6 kHz: as many
-halvings more as keep it, since faster sampling adds noise to a wider band and no ringing."""
+"""Halvings of the range down to the narrowest bands, and their width, Hz, above 25.6 kHz. Faster
+sampling has more halvings to keep it: a wider band has more noise and no more ringing."""
 _LAP, _LONGEST_LAP = 0.05, 0.25
-"""Part of a segment by which it laps over the one before."""
+"""Least and largest overlap with the previous segment, as a part of the hop."""
 _CLASSES, _RATE_CLASSES = 4, 16
-"""Speed classes in an octave: layouts change from class to class, not with each speed. Those for
-the rate of the envelope are narrow, as a rate above what the speed needs is work for nothing."""
+"""Speed classes in an octave: a layout belongs to a class, not to each speed. The classes for the
+rate of the envelope are narrow, because a higher rate than needed costs time."""
 _OVERSAMPLED, _ANGULAR = 1.03, 1.7
-"""Rate of the envelope points over twice the highest frequency; more where they are taken over
-angle by interpolation."""
+"""Rate of the envelope points over twice the highest frequency; larger for points that are
+interpolated over angle."""
 
 
 @functools.lru_cache(maxsize=64)
 def highest_fault_order(bearing: Bearing) -> float:
     """
-    Order of the highest fault family.
+    Return the highest fault order.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> round(highest_fault_order(find_bearing('6205')), 3)
@@ -63,7 +63,7 @@ def highest_fault_order(bearing: Bearing) -> float:
 
 def highest_order(bearing: Bearing) -> float:
     """
-    Highest order that the chain looks at: four harmonics of the highest family, with slip.
+    Return the highest order of the analysis: four harmonics of the highest fault, with slip.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> round(highest_order(find_bearing('6205')), 2)
@@ -74,17 +74,17 @@ def highest_order(bearing: Bearing) -> float:
 
 
 class Layout(NamedTuple):
-    """How segments are cut and demodulated. Those of one layout fit together."""
+    """Lengths and settings of the demodulation. Segments of one layout can be joined."""
 
     sample_rate: float
     hop: int
     """Samples from one segment to the next."""
     lap: int
-    """Samples by which a segment laps over the one before; its length is hop + lap."""
+    """Overlap with the previous segment, samples; the length of a segment is hop + lap."""
     step: int
-    """Samples from one envelope point to the next; hop and lap are multiples."""
+    """Samples from one envelope point to the next; hop and lap are multiples of it."""
     floor_width: int
-    """Bins in a block of the floor under the spectrum."""
+    """Bins in a block of the floor of the spectrum."""
     cap: float
     """Power over the floor at which lines are capped."""
     cage_hz: float
@@ -92,43 +92,43 @@ class Layout(NamedTuple):
 
 
 class Flat(NamedTuple):
-    """Samples of a segment with lines capped: what few verdicts ask for."""
+    """Samples of a segment with lines capped; few verdicts use them."""
 
     spectrum: NDArray[np.complex64]
     """One-sided."""
     length: int
-    """Samples of the segment."""
+    """Number of samples of the segment."""
     inside: slice
-    """Those that do not fade."""
+    """Samples that do not fade."""
 
     def kurtosis(self) -> float:
-        """Kurtosis of the samples that do not fade."""
+        """Return the kurtosis of the samples that do not fade."""
         return _kurtosis(fft.irfft(self.spectrum, n=self.length)[self.inside])
 
 
 @dataclass(frozen=True)
 class Segment:
-    """What is computed of a segment once."""
+    """Results of the demodulation of a segment."""
 
     envelopes: tuple[NDArray[np.float32], ...]
-    """Squared envelopes as :func:`squared_envelopes` has them, ((lap + hop) / step, n) each; their
-    ends fade."""
+    """Squared envelopes from :func:`squared_envelopes`, ((lap + hop) / step, n) each; their ends
+    fade."""
     slow: NDArray[np.float32]
-    """((lap + hop) / step,): low-passed signal over its RMS; its ends fade."""
+    """((lap + hop) / step,) low-passed signal over its RMS; its ends fade."""
     lines: NDArray[np.float32]
     """Squared one-sided amplitude spectrum, bin k at k sample_rate / (hop + lap)."""
     levels: Levels
     limited_kurtosis: float
-    """Of the samples without single shocks."""
+    """Kurtosis of the samples with single shocks limited."""
     flat: Flat | None
-    """The whitened samples, where that is above ``KURTOSIS``."""
+    """Whitened samples, if ``limited_kurtosis`` is above ``KURTOSIS``."""
 
     @functools.cached_property
     def kurtosis(self) -> float:
         """
-        Of the samples without single shocks; above ``KURTOSIS`` of the whitened ones, if less.
+        Kurtosis with single shocks limited; above ``KURTOSIS``, at most that of whitened samples.
 
-        There steady pulses, of belts and cams, are lines, which are capped.
+        Whitening caps lines, and so the steady pulses of belts and cams.
         """
         return min(self.limited_kurtosis, self.flat.kurtosis() if self.flat else math.inf)
 
@@ -136,7 +136,7 @@ class Segment:
 @functools.lru_cache(maxsize=64)
 def speed_class(shaft_hz: float, classes: int = _CLASSES) -> int:
     """
-    Class of a shaft speed, by default a quarter of an octave wide.
+    Return the class of a shaft speed, Hz; classes are a quarter of an octave wide by default.
 
     >>> speed_class(25.0), speed_class(25.4), speed_class(50.0)
     (19, 19, 23)
@@ -154,20 +154,21 @@ def choose_layout(
     fastest_hz: float = 0.0,
 ) -> Layout:
     """
-    Layout of the segments of a window.
+    Return the layout of the segments of a window.
 
     Parameters
     ----------
     sample_rate
         Hz.
     stretch, count
-        The window is ``count`` stretches of ``stretch`` samples; a segment has some of them.
+        The window has ``count`` stretches of ``stretch`` samples; a segment has one or more of
+        them.
     bearing
         Geometry.
     shaft_hz
         Mean speed, Hz.
     fastest_hz
-        Highest speed where the speed varies, Hz, else 0.
+        Highest speed if the speed varies, Hz, else 0.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> layout = choose_layout(25600.0, 25600, 8, find_bearing('6307'), 25.0)
@@ -208,7 +209,7 @@ def _layout(
 
 
 def _lap(hop: int, step: int, tiles: int) -> int:
-    """Lap with which a segment is transformed quickly, and is cut into tiles of bands."""
+    """Return an overlap with a quick length of transform, if possible one that fits the tiles."""
     points = hop // step
     lengths = range(math.ceil((1.0 + _LAP) * points), int((1.0 + _LONGEST_LAP) * points) + 1)
     quick = [n for n in lengths if fft.next_fast_len(n) == n]
@@ -218,13 +219,13 @@ def _lap(hop: int, step: int, tiles: int) -> int:
 
 def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     """
-    Demodulate a segment.
+    Return a segment, demodulated.
 
     Parameters
     ----------
     x
-        Shape (n,): the ``hop`` samples of the segment, and before them those of the lap, as far
-        as there are any. They are finite.
+        Finite samples, shape (n,): those of the lap, as far as there are any, then ``hop``
+        samples.
     layout
         Layout.
 
@@ -273,7 +274,7 @@ def _kurtosis(x: NDArray[np.floating]) -> float:
 def _spectrum(
     x: NDArray[np.float64], fade: NDArray[np.float32], length: int
 ) -> NDArray[np.complex64]:
-    """One-sided transform, over the length, of samples that fade at both ends, zeros before."""
+    """Return the one-sided transform of samples with fading ends and zeros before them."""
     padded = np.zeros(length, np.float32)
     part = padded[length - len(x) :]
     part[:] = x
@@ -285,7 +286,7 @@ def _spectrum(
 
 @functools.lru_cache(maxsize=256)
 def _fade(lap: int) -> NDArray[np.float32]:
-    """Rise by which a segment begins; with its mirror image the squares add up to one."""
+    """Return the rise at the start of a segment; its square and its mirror image's add to one."""
     fade = np.sin(0.5 * np.pi * (np.arange(lap) + 0.5) / lap).astype(np.float32)
     fade.flags.writeable = False
     return fade

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The record gate: whether samples can be diagnosed at all, checked before any analysis."""
+"""Record gate: reasons why samples cannot be diagnosed, checked before any analysis."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 SHAFT_TURNS = 20.0
-"""Least shaft turns in a window for any statement: the comb has then 20 bins a shaft order."""
+"""Least shaft turns in a window for any statement: a shaft order has 20 bins then."""
 
 HEALTHY_TURNS = 50.0
 """Least shaft turns, all windows together, to call a bearing healthy; fewer show only strong
@@ -27,47 +27,45 @@ CAGE_TURNS = 40.0
 """Least cage turns in a window for a cage statement."""
 
 DAMPING = 0.04
-"""Part of the critical damping that what rings after an impact is taken to have; housings and
-races in them have 2 to 5 %."""
+"""Assumed damping ratio of the ringing after an impact: housings and their races have 2 to 5 %."""
 
 HIGHEST_RINGING_HZ = 20_000.0
-"""Highest frequency at which impacts are looked for: few sensors and mountings pass more."""
+"""Highest frequency, Hz, at which impacts are searched: few sensors and mountings pass more."""
 
 _PASSED = 1.0 / 2.56
-"""Part of the sample rate up to which the filters of a measuring chain pass."""
+"""Pass band of the filters of a measuring chain over the sample rate."""
 _RUN_TOGETHER = 1.8
-"""Rate of impacts over the corner of their ringing at which they still have the index of a
-fault."""
+"""Highest rate of impacts, relative to c of :func:`fastest_impacts_hz`, with a fault's index."""
 
 FAINTEST, LARGEST = 1e-100, 1e100
-"""Range of samples whose powers are numbers, in whatever unit."""
+"""Range of samples whose powers do not overflow or underflow, in any unit."""
 _SPOILT_SHARE = 0.005
-"""Most samples that may be clipped, or held at one value."""
+"""Largest share of samples that are clipped, or held at one value."""
 CONVERTER_STEPS = 2.0
-"""Least RMS of a healthy signal in steps of its converter: rounding to steps, which has an RMS of
-1/sqrt(12), is 17 dB below it. Below, a dead sensor may sound the same; a fault shows all the same.
-"""
+"""Least RMS of a healthy signal in steps of its converter: rounding, which has an RMS of
+1/sqrt(12) steps, is 17 dB below it. A dead sensor may have a smaller RMS; a fault shows all the
+same."""
 _LOOKED_AT, _MOST_VALUES = 1024, 64
-"""Of so many samples a signal of so few steps has far fewer different values: noise of an RMS of
-two steps has about 15."""
+"""Number of samples that are searched for different values, and number of values of a signal with
+many steps: noise with an RMS of two steps has about 15."""
 _HELD = 64
-"""Least samples in a row of one value that are kept as a run."""
+"""Least length of a run of one value, samples."""
 _SILENT_TURNS = 3.0
-"""Shaft turns for which no live sensor repeats one value. Noise may be less than a step of the
-converter, with impacts of a defect above it: these come at least once a turn of the cage, and no
-cage is slower than a third of the shaft."""
+"""Shaft turns for which no live sensor repeats one value. Noise may be below a step of the
+converter with impacts of a defect above it. But these come at least once a cage turn, and no cage
+is slower than a third of the shaft."""
 _RUN = 3
 _ENDS = 1e-6
-"""Part of the range that counts as its end."""
+"""Width of each end of the range, relative to the range."""
 _RAIL = 0.06
-"""Share of the samples at one end, in runs or not, that is clipping: of a sine of 32 steps, the
-fewest that count as many values, 5.6 % have the highest."""
+"""Share of the samples at one end, in runs or not, that means clipping: a sine of 32 steps, the
+fewest that count as many values, has 5.6 % at the highest."""
 
 
 @dataclass(frozen=True)
 class Extent:
     """
-    Range of a part of a record, and how much of it sits at the ends.
+    Range of a part of a record, and number of samples at its ends.
 
     >>> import numpy as np
     >>> Extent.of(np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]))
@@ -77,20 +75,20 @@ class Extent:
 
     count: int
     bad: int
-    """Samples that are NaN or infinite."""
+    """Number of samples that are NaN or infinite."""
     low: float
     high: float
     at_low: int
-    """Samples in runs of three or more at the lowest value; all of them where they are many."""
+    """Number of samples at the lowest value in runs of three or more; all of them if many."""
     at_high: int
     steps: float = math.inf
-    """RMS about the mean in steps between the values that occur; infinite where they are many."""
+    """RMS about the mean in steps between values; infinite if there are many values."""
     held: tuple[int, ...] = ()
-    """Lengths, in samples, of the runs of one value; short ones are left out."""
+    """Lengths of the runs of one value, samples; short runs are left out."""
 
     @classmethod
     def of(cls, x: NDArray[np.float64]) -> Extent:
-        """Extent of samples, shape (n,)."""
+        """Return the extent of samples, shape (n,)."""
         if len(x) == 0:
             return cls(0, 0, math.nan, math.nan, 0, 0)
         low, high = float(x.min()), float(x.max())
@@ -106,7 +104,7 @@ def check_record(
     x: NDArray[np.float64], sample_rate: float, shaft_hz: float, highest_order: float
 ) -> list[str]:
     """
-    Reasons why a record cannot be diagnosed; empty if it can.
+    Return the reasons why a record cannot be diagnosed; empty if it can.
 
     Parameters
     ----------
@@ -133,7 +131,7 @@ def check_extents(
     parts: Sequence[Extent], sample_rate: float, shaft_hz: float, highest_order: float
 ) -> list[str]:
     """
-    Reasons why a record in parts cannot be diagnosed; as :func:`check_record`.
+    Return the reasons why a record in parts cannot be diagnosed; as :func:`check_record`.
 
     >>> check_extents([Extent(0, 0, 0.0, 0.0, 0, 0)], 25600.0, 25.0, 5.0)
     ['the record is empty: give at least a second of vibration']
@@ -196,13 +194,13 @@ def check_extents(
 
 def fastest_impacts_hz(sample_rate: float) -> float:
     """
-    Highest rate of impacts, Hz, at which a fault would show in the envelope.
+    Return the highest rate of impacts, Hz, at which a fault shows in the envelope.
 
-    The squared envelope of a ringing at f0 decays as exp(-t 2 pi c), c = 2 zeta f0, so that the
-    k-th harmonic of impacts at f is lowered by H_k = 1 / sqrt(1 + (k f / c)^2). Impacts as loud as
-    the noise in their band then have the modulation index sqrt(sum H_k^2) over four harmonics,
-    which falls to 0.6, that of a fault, at f = 1.8 c. The highest f0 is what the samples pass, at
-    most 20 kHz, with a damping zeta of 4 %.
+    The squared envelope of a ringing at f0 decays as exp(-t 2 pi c), c = 2 zeta f0. This lowers
+    the k-th harmonic of impacts at f by H_k = 1 / sqrt(1 + (k f / c)^2). Impacts as loud as the
+    noise in their band have the modulation index sqrt(sum H_k^2) over four harmonics. It falls to
+    0.6, the index of a fault, at f = 1.8 c. The highest f0 is the pass band of the samples, at
+    most 20 kHz; the damping zeta is 4 %.
 
     Parameters
     ----------
@@ -218,9 +216,9 @@ def fastest_impacts_hz(sample_rate: float) -> float:
 
 
 def _steps(x: NDArray[np.float64]) -> float:
-    """RMS about the mean in steps between the values; infinite where these are many."""
+    """Return the RMS about the mean in steps between values; infinite if there are many."""
     looked_at = x[:: max(len(x) // _LOOKED_AT, 1)]
-    # The first ones tell it of most signals.
+    # For most signals the first samples are enough.
     if len(set(looked_at[: 2 * _MOST_VALUES].tolist())) > _MOST_VALUES:
         return math.inf
     values = np.unique(looked_at)
@@ -232,8 +230,8 @@ def _steps(x: NDArray[np.float64]) -> float:
 
 
 def _held(x: NDArray[np.float64]) -> tuple[int, ...]:
-    """Lengths of the runs of one value."""
-    # A run holds two neighbours of a grid of half its length: of most signals this is all.
+    """Return the lengths of the runs of one value."""
+    # A run contains two neighbours of a grid of half its length: most signals have none.
     grid = x[:: _HELD // 2]
     if not np.any(grid[1:] == grid[:-1]):
         return ()
@@ -242,7 +240,7 @@ def _held(x: NDArray[np.float64]) -> tuple[int, ...]:
 
 
 def _at_end(at_end: NDArray[np.bool_], most: float) -> int:
-    """Return the number of true values; of those in runs of three or more where they are few."""
+    """Return the number of true values; if they are few, of those in runs of three or more."""
     count = int(np.count_nonzero(at_end))
     if count > most:
         return count
@@ -253,6 +251,6 @@ def _at_end(at_end: NDArray[np.bool_], most: float) -> int:
 
 
 def _runs(true: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Lengths of the runs of true values."""
+    """Return the lengths of the runs of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], true.view(np.int8), [0]))))
     return edges[1::2] - edges[::2]

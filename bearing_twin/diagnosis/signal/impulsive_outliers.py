@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Impulsive outliers: single shocks that do not come back with each turn of the cage."""
+"""Impulsive outliers: single shocks that do not repeat each turn of the cage."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ if TYPE_CHECKING:
 
 _ABOVE = 2.0
 _TURNS = 5
-"""Fewest turns of the cage for a median; a segment of 20 turns of the shaft holds 6 to 9."""
+"""Least number of cage turns for a median; a segment of 20 shaft turns holds 6 to 9."""
 
 
 def limit_impulsive_outliers(
     x: NDArray[np.float64], sample_rate: float, cage_hz: float
 ) -> NDArray[np.float64]:
     """
-    Limit single shocks to twice the peak that half of the cage turns reach.
+    Return samples with single shocks limited to twice the peak that half of the cage turns reach.
 
-    Every fault of a bearing strikes at least once a cage turn, so at least half of the turns show
-    its height. A shock from elsewhere occurs in few of them. A handful of shocks fills the
-    squared envelope spectrum with broad ripples that look like combs and hide true ones.
+    Every bearing fault strikes at least once a cage turn, so at least half of the turns show its
+    height. A shock from elsewhere occurs in few of them. A few shocks fill the squared envelope
+    spectrum with broad ripples that look like combs and hide true combs.
 
     Parameters
     ----------
@@ -35,11 +35,11 @@ def limit_impulsive_outliers(
     sample_rate
         Hz.
     cage_hz
-        Turns of the cage a second.
+        Cage frequency, Hz.
 
     Returns
     -------
-    The samples limited, or ``x`` itself where nothing stands out.
+    The limited samples, or ``x`` itself without outliers.
 
     >>> import numpy as np
     >>> x = np.sin(np.arange(1000.0))

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Lines of spectra, read in compiled code: the row of a line, and its height over noise.
+Compiled functions on lines of spectra: the row of a line, and its height over noise.
 
-Compiled code of other files calls these functions: `compiled` knows this file by its name.
+Compiled code of other files calls these functions, so `compiled` lists the name of this file.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 
 NEUTRAL = 0.5963474
-"""Mean of log(1 + E) for E ~ Exp(1): e E1(1). What a bin counts for that must not speak."""
+"""Mean of log(1 + E) for E ~ Exp(1): e E1(1). It is the value of bins that are left out."""
 
 
 @compiled(fast=FAST)
 def nearest_row(bins: float, rows: int) -> int:
-    """Return the row of an order in bins; those beyond the ends are the first and the last."""
+    """Return the row of an order in bins; outside the ends, the first or last row."""
     return min(max(int(np.rint(bins)) - 1, 0), rows - 1)
 
 
 @compiled(fast=FAST, borrows=True)
 def row_height(logs: NDArray[np.float32], at: int, columns: NDArray[np.intp]) -> Any:
-    """Return the mean of some columns of a row, noise taken off."""
+    """Return the mean of some columns of a row, less that of noise."""
     total = np.float32(0.0)
     for c in columns:
         total += logs[at, c]
@@ -46,20 +46,20 @@ def mean_height(
     columns: NDArray[np.intp],
 ) -> float:
     """
-    Return the mean height over noise of some harmonics of a comb; 0 where none is known.
+    Return the mean height over noise of some harmonics of a comb; 0 if none is known.
 
     Parameters
     ----------
     logs
         (K, C); row k belongs to order (k + 1) step.
     hidden
-        (K,) mask of the rows that are unknown, as are those beyond the end.
+        (K,) mask of unknown rows. Rows beyond the end are unknown as well.
     order, harmonics
         Fundamental order; first and last harmonic.
     step
         Orders a bin.
     columns
-        (B,).
+        (B,) columns of the mean.
 
     """
     total, count = 0.0, 0
@@ -79,7 +79,7 @@ def count_shown(hidden: NDArray[np.bool_], order: float, step: float, harmonics:
     Parameters
     ----------
     hidden
-        (K,) mask; row k belongs to order (k + 1) step, and the last one to what is beyond.
+        (K,) mask; row k belongs to order (k + 1) step, the last row also to higher orders.
     order, step, harmonics
         Fundamental order, orders a bin, and number of harmonics.
 
@@ -100,7 +100,7 @@ def without_highest(
     sums: NDArray[np.float64],
 ) -> None:
     """
-    Write the sum of the lines of each comb but for the two highest.
+    Write the sum of the lines of each comb without the two highest.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def without_highest(
     bin_hz
         Hz a bin.
     first, count
-        First harmonic that counts, and the number of harmonics, at least two.
+        First harmonic, and number of harmonics, at least two.
     sums
         (G,), written.
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Periodograms of squared envelopes, whole or in segments that lap over.
+Periodograms of squared envelopes, whole or in overlapping segments.
 
-The power of each line is that under a Hann window, relative to that of the mean.
+The power of each line is taken with a Hann window, relative to the power of the mean.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
 
 _TINY = 1e-30
 _FIRST = 20, 16
-"""Factors of a first pass that takes its rows from segments."""
+"""Possible factors of a first pass that takes its rows from segments."""
 
 
 class Lapping(NamedTuple):
     """
-    A record in parts that fade into one another.
+    A record in overlapping parts that fade into one another.
 
     >>> parts = [np.ones((6, 2), np.float32), np.full((6, 2), 2.0, np.float32)]
     >>> Lapping(parts, 2).joined()[:, 0].tolist()
@@ -50,18 +50,18 @@ class Lapping(NamedTuple):
     """
 
     parts: Sequence[NDArray[np.float32]]
-    """Of one length, (hop + lap, ...)."""
+    """Parts of equal length, (hop + lap, ...)."""
     lap: int = 0
-    """Points by which each laps over the one before; the first lap is left out."""
+    """Overlap of each part with the previous one, points; that of the first part is left out."""
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the whole."""
+        """Shape of the joined record."""
         points, *columns = self.parts[0].shape
         return (len(self.parts) * (points - self.lap), *columns)
 
     def joined(self) -> NDArray[np.float32]:
-        """Return the whole, in memory of its own."""
+        """Return the joined record as a new array."""
         lap, whole = self.lap, aligned(*self.shape)
         hop = len(whole) // len(self.parts)
         np.concatenate([part[lap:] for part in self.parts], out=whole)
@@ -73,13 +73,13 @@ class Lapping(NamedTuple):
 
 def _transform_lapping(x: Lapping, each: int) -> NDArray[np.float32]:
     """
-    Transform parts whose rows are so many points, as `transform_rows` does the whole.
+    Return the transform of parts, with ``each`` points a row, as `transform_rows` of the whole.
 
-    The first pass takes its rows from the parts: to join them takes as long as that pass.
+    The first pass reads its rows from the parts: joining them first takes as long as the pass.
     """
     points, count = len(x.parts[0]), x.shape[0] // each
     number, lap = len(x.parts), x.lap // each
-    # Of the rows that go together as many are of each part.
+    # The rows of a butterfly are taken from all parts in equal numbers.
     fits = (r for r in _FIRST if r % number == 0 and count % r == 0 and lap <= count // r)
     radix = next(fits, 0)
     if not radix or points % each or x.lap % each or not is_quick(count):
@@ -105,20 +105,20 @@ def _transform_parts(
     other: NDArray[np.float32],
 ) -> None:
     """
-    Do all passes of a transform, the first one from parts of a record that lap over.
+    Do all passes of a transform, the first one from overlapping parts of a record.
 
     Parameters
     ----------
     places
         (P,) addresses of the parts, (N / P + lap, 32) each.
     lap
-        Rows.
+        Overlap of the parts, rows.
     radix
-        Of the first pass, 16 or 20: a multiple of P.
+        Radix of the first pass, 16 or 20: a multiple of P.
     turns, radices
-        Those of N, and of N / radix.
+        Twiddle factors of N, and factors of N / radix.
     few
-        (40, 32) to work in.
+        (40, 32) scratch memory.
     rows, other
         (N, 32), see :func:`transform_passes`.
 
@@ -144,16 +144,17 @@ def _transform_parts(
 
 def power_of_lines(x: Lapping, power: NDArray[np.float32], first: int) -> None:
     """
-    Write the power of the lines of some squared envelopes relative to that of their mean.
+    Write the power of the lines of squared envelopes relative to the power of their mean.
 
-    The lines are those under a Hann window, which takes half of both neighbours from each.
+    A Hann window is applied in the frequency domain: half of both neighbours is subtracted from
+    each line.
 
     Parameters
     ----------
     x
         Up to sixteen columns, shape (N, n).
     power
-        (K, B), n columns of it written, or those that are left; row k is line k + 1.
+        (K, B), of which n columns are written, or as many as are left; row k is line k + 1.
     first
         First of these columns.
 
@@ -176,7 +177,7 @@ def power_of_lines(x: Lapping, power: NDArray[np.float32], first: int) -> None:
 
 
 def _pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Rows of up to sixteen columns; of an even number of samples, two are a complex number."""
+    """Return rows of up to sixteen columns; an even number of samples forms complex pairs."""
     count, columns = x.shape
     rows = np.zeros((count // 2, 2, L) if count % 2 == 0 else (count, 1, 2 * L), np.float32)
     rows[..., :columns] = x.reshape(len(rows), -1, columns)
@@ -186,12 +187,12 @@ def _pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
 @compiled(inline=True, fast=FAST)
 def _line(rows: NDArray[np.float32], turns: NDArray[np.float32], k: int) -> tuple[Any, Any]:
     """
-    Line of sixteen real columns, of which two samples were transformed as one complex number.
+    Return a line of sixteen real columns, transformed with two samples as one complex number.
 
     Parameters
     ----------
     rows
-        (N / 2, 32) transforms; or (N, 32) of the columns themselves, where N is odd.
+        (N / 2, 32) transforms; if N is odd, (N, 32) transforms of the columns themselves.
     turns
         (N, 2).
     k
@@ -203,7 +204,7 @@ def _line(rows: NDArray[np.float32], turns: NDArray[np.float32], k: int) -> tupl
         return load(rows, 2 * k), load(rows, 2 * k + 1)
     a, b = 2 * (k if k < count else 0), 2 * (count - k if k else 0)
     ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
-    # The transform of the even samples, and that of the odd ones, which are half a step behind.
+    # The transforms of the even and of the odd samples; the odd ones are half a step later.
     er, ei, dr, di = 0.5 * (ar + br), 0.5 * (ai - bi), 0.5 * (ai + bi), 0.5 * (br - ar)
     real, imag = times(dr, di, turns[k])
     return er + real, ei + imag
@@ -218,20 +219,20 @@ def _line_power(
     last: NDArray[np.float32],
 ) -> None:
     """
-    Write the power of the lines under a Hann window relative to that of the mean.
+    Write the power of the lines with a Hann window relative to the power of the mean.
 
-    In the frequency domain the window takes half of both neighbours from each line.
+    In the frequency domain the window subtracts half of both neighbours from each line.
 
     Parameters
     ----------
     rows, turns
         Transforms of sixteen squared envelopes, see `_pairs`.
     power
-        (K, B), written up to sixteen columns; row k is line k + 1.
+        (K, B), of which up to sixteen columns are written; row k is line k + 1.
     first
         First of these columns.
     last
-        (16,) to work in.
+        (16,) scratch memory.
 
     """
     columns = power.shape[1] - first
@@ -265,7 +266,7 @@ def _four_line_power(
     first: int,
 ) -> None:
     """
-    Write the same for four columns, each transformed as four columns of every fourth sample.
+    Write the power of the lines of four columns, transformed as columns of every fourth sample.
 
     Parameters
     ----------
@@ -273,11 +274,11 @@ def _four_line_power(
         Transforms of sixteen columns of a quarter of the length: the first samples of each four,
         then the second ones, and so on; see :func:`_line_power`.
     all_turns
-        (N, 2) of the whole length.
+        (N, 2) twiddle factors of the whole length.
     quarters
-        (N / 8 + 1, 32) to work in.
+        (N / 8 + 1, 32) scratch memory.
     lines
-        (K + 2, 8) to work in.
+        (K + 2, 8) scratch memory.
     power, first
         (K, B), written from the first of four columns on; row k is line k + 1.
 

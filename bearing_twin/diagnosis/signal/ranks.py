@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Value of a rank, such as the median, in each of many columns at once."""
+"""Compiled order statistics, such as the median, of many columns at once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @compiled(inline=True, fast=FAST)
 def _beside(value: Any, guess: Any, below: Any, before: Any, after: Any) -> Any:
-    """Count what is below a guess; keep the greatest of it, and the least of what is not."""
+    """Count values below a guess; keep the greatest of them, and the least of the others."""
     less = guess > value
     return (
         chosen(less, below + 1.0, below),
@@ -27,7 +27,7 @@ def _beside(value: Any, guess: Any, below: Any, before: Any, after: Any) -> Any:
 
 @compiled(inline=True, fast=FAST)
 def _first_guess(low: Any, high: Any, mean: Any, square: Any, away: float) -> Any:
-    """Return a value so many standard deviations over the mean, between the least and greatest."""
+    """Return a value ``away`` standard deviations over the mean, limited to the range."""
     away_squared = square - mean * mean
     guess = mean + away * root(chosen(away_squared > 0.0 * mean, away_squared, 0.0 * mean))
     guess = chosen(guess > low, guess, high)
@@ -36,10 +36,10 @@ def _first_guess(low: Any, high: Any, mean: Any, square: Any, away: float) -> An
 
 @compiled(inline=True, fast=FAST)
 def _narrowed(bounds: Any, rank: int, below: Any, before: Any, after: Any) -> Any:
-    """Return closer bounds of the value of a rank, their counts, and the next guess."""
+    """Return closer bounds of the value of a rank with their counts, and the next guess."""
     low, high, under, until = bounds
     less = below > np.float32(rank)
-    # What is right after the guess is the wanted value, or what is right before it.
+    # If the counts match, the next value above or below the guess is the wanted one.
     high = chosen(less, before, chosen(below == np.float32(rank), after, high))
     low = chosen(less, chosen(below == np.float32(rank + 1), before, low), after)
     under, until = chosen(less, under, below), chosen(less, below, until)
@@ -59,24 +59,24 @@ def column_ranks(
     found: NDArray[np.float32],
 ) -> None:
     """
-    Write the value of a rank in each column: 0 for the least, half of the count for the median.
+    Write the value of a rank in each column: 0 for the least, half the count for the median.
 
-    It is that of each of several blocks of rows, one after another.
+    Several blocks of rows follow one another, and each has its own values.
 
-    Each pass counts what is below a guess, which is interpolated between the two values, closer
-    each time, between which the wanted one lies. Two times sixteen columns go together, as one
-    alone would wait for its own last comparison.
+    Each pass counts the values below a guess. The guess is interpolated between two bounds of the
+    wanted value, which get closer with each pass. Two times sixteen columns are processed
+    together: sixteen alone would wait for their last comparison.
 
     Parameters
     ----------
     values
         (N, >= 16).
     first, step, count
-        Rows that count: every so many from one on, and their number in a block.
+        First row, step from row to row, and number of rows in a block.
     rank
-        Below the count.
+        Rank, below ``count``.
     away
-        Standard deviations over the mean of the first guess.
+        Distance of the first guess from the mean, standard deviations.
     found
         (blocks, C), written.
 
@@ -95,11 +95,11 @@ def _block_ranks(
     away: float,
     found: NDArray[np.float32],
 ) -> None:
-    """Write the same of one block, (C,)."""
+    """Write the value of a rank in each column of one block, (C,)."""
     last, each = len(found) - L, np.float32(1.0 / count)
     zero = splat(np.float32(0.0))
     for column in range(0, len(found), 2 * L):
-        # The last sixteen lap over those before them.
+        # The last sixteen overlap those before them.
         c, d = min(column, last), min(column + L, last)
         low_c = high_c = load(values[first, c:], 0)
         low_d = high_d = load(values[first, d:], 0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How much: level, shape and zone of a signal, and the trend of its level over a baseline."""
+"""Vibration severity: RMS, peak, kurtosis, velocity and ISO zone of a signal."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 BANDS_HZ = ((10.0, 1000.0), (1000.0, 5000.0), (5000.0, 20000.0))
-"""Standard bands of ``band_rms``, Hz; a band beyond half the sample rate counts as empty."""
+"""Bands of ``band_rms``, Hz; a band above half the sample rate is empty."""
 
 MEASURES = ('whole band', *(f'{low:g} to {high:g} Hz' for low, high in BANDS_HZ[1:]))
-"""Levels that are watched over time: from 10 Hz to 20 kHz, and in the bands in which bearings
-ring. Below 10 Hz a sway or a drift of the sensor decides, and below 1 kHz the shaft, its
-neighbours and the foundation."""
+"""Names of the levels that are trended: from 10 Hz to 20 kHz, and in the bands in which bearings
+ring. Below 10 Hz sway or drift of the sensor dominates; below 1 kHz the shaft, other machines and
+the foundation do."""
 
 ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
     (1, 'rigid'): (2.3, 4.5, 7.1),
@@ -35,22 +35,22 @@ ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
 """Zone boundaries A/B, B/C, C/D in mm/s of velocity RMS by (group, mounting), ISO 20816-3:2022."""
 
 HIGHEST_LIMIT = max(limits[-1] for limits in ISO_LIMITS.values())
-"""Velocity RMS from which on a machine is in zone D whichever its group and mounting, mm/s."""
+"""Velocity RMS above which a machine is in zone D in every group and mounting, mm/s."""
 
 SLOW_HZ = 10.0
-"""Shaft speed below which ISO 20816-3 takes velocities from 2 Hz on."""
+"""Shaft speed below which the velocity of ISO 20816-3 is from 2 Hz on, Hz."""
 
 LEAST = 64
-"""Samples without which nothing is measured."""
+"""Least number of samples of a measurement."""
 
 SHORTEST_VELOCITY = 1.0
-"""Length, s, from which on a record has a velocity: ten periods of its lowest frequency. That of
-0.1 s depends on where the turn of the shaft is cut."""
+"""Least length of a record with a velocity, s: ten periods of its lowest frequency. The velocity
+of 0.1 s depends on the shaft angle at its start."""
 
 
 def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
     """
-    Zone ``'A'``..``'D'`` of ISO 20816-3, or empty where group, mounting or level is unknown.
+    Return the zone ``'A'``..``'D'`` of ISO 20816-3; empty if group, mounting or level is unknown.
 
     >>> iso_zone(3.0, 2, 'rigid'), iso_zone(3.0, 0, '')
     ('C', '')
@@ -64,10 +64,10 @@ def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Severity:
-    """Vibration severity. Each field says what it may be compared with."""
+    """Vibration severity; the fields say what each value can be compared with."""
 
     rms: float = math.nan
-    """Of the signal, in ``unit``; comparable over time for one sensor at one speed and load."""
+    """RMS of the signal, in ``unit``; comparable over time for a sensor at one speed and load."""
     peak: float = math.nan
     """Largest magnitude, in ``unit``; comparable like ``rms``."""
     crest_factor: float = math.nan
@@ -77,29 +77,29 @@ class Severity:
     velocity_rms: float = math.nan
     """10..1000 Hz, mm/s; comparable between machines (ISO 20816-3); NaN if the unit is unknown."""
     level_over_baseline: float = math.nan
-    """dB over the asset's own baseline, less ``correction``; NaN until learnt."""
+    """Level over the baseline of the machine, less ``correction``, dB; NaN until learnt."""
     iso_zone: str = ''
-    """``'A'``..``'D'`` of ISO 20816-3; empty where it cannot be given."""
+    """``'A'``..``'D'`` of ISO 20816-3; empty if it cannot be given."""
     unit: str
     band_rms: tuple[float, ...] = ()
     """RMS in the bands of :data:`BANDS_HZ`, in ``unit``."""
     stage: int = 0
-    """1 to 4 (incipient, developing, advanced, severe) while a fault is named, else 0."""
+    """1 to 4 (incipient, developing, advanced, severe) while the level is *fault*, else 0."""
     correction: float = 0.0
-    """Change of level with temperature and speed that was taken off, dB, as this machine's own
-    healthy record shows it; 0 where that does not."""
+    """Change with temperature and speed, taken off the level, dB, from the healthy record of this
+    machine; 0 if the record does not show it."""
     correction_sd: float = 0.0
-    """Its standard deviation, dB."""
+    """Standard deviation of the correction, dB."""
     correction_basis: str = ''
-    """What the correction rests on, or why there is none."""
+    """Basis of the correction, or why there is none."""
     rising: int = 0
-    """Minutes for which the level has stood over its baseline for good; 0: it has not."""
+    """Minutes since a lasting rise over the baseline began; 0 without one."""
 
 
 @dataclass(frozen=True)
 class Levels:
     """
-    Sums over a part of a record, from which the severity of the whole follows.
+    Sums over a part of a record; the severity of the record follows from those of its parts.
 
     >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
     >>> round(math.sqrt(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0).powers[0]), 4)
@@ -122,14 +122,14 @@ class Levels:
         cls, x: NDArray[np.float64], spectrum: NDArray[np.complex64], sample_rate: float
     ) -> Levels:
         """
-        Levels of samples.
+        Return the levels of samples.
 
         Parameters
         ----------
         x
             Shape (n,).
         spectrum
-            Its one-sided transform, ``rfft(x) / n``, at least up to 20 kHz.
+            One-sided transform of x, ``rfft(x) / n``, at least up to 20 kHz.
         sample_rate
             Hz.
 
@@ -144,7 +144,7 @@ class Levels:
     @classmethod
     def together(cls, parts: Sequence[Levels]) -> Levels:
         """
-        Levels of a record from those of its parts.
+        Return the levels of a record from those of its parts.
 
         >>> x = np.array([1.0, 2.0, 4.0, 9.0])
         >>> halves = [Levels.of(part, np.zeros(2, np.complex64), 2.0) for part in (x[:2], x[2:])]
@@ -184,7 +184,7 @@ def measure_severity(
     shaft_hz: float = math.nan,
 ) -> Severity:
     """
-    Numbers of one window; the baseline is the stream's to add, the stage comes with the level.
+    Return the severity of one window, without level over the baseline and stage.
 
     Parameters
     ----------
@@ -195,8 +195,9 @@ def measure_severity(
     power_group, mounting
         See :func:`iso_zone`.
     shaft_hz
-        Shaft speed, Hz. Below 600 1/min the velocity is that from 2 Hz on, which is no less than
-        the one measured here, from 10 Hz on: the zone is at least C or D, and no A or B is given.
+        Shaft speed, Hz. Below 600 1/min the velocity of the standard is from 2 Hz on, and no less
+        than the velocity from 10 Hz on that is measured here. So zones C and D are given, but not
+        A and B.
 
     >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
     >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0), unit='m/s^2')
@@ -226,7 +227,7 @@ def measure_severity(
 
 def watched(severity: Severity) -> NDArray[np.float64]:
     """
-    Levels of the :data:`MEASURES`, dB.
+    Return the levels of the :data:`MEASURES`, dB.
 
     >>> turns = 2.0 * np.pi * np.arange(25600) / 25600.0
     >>> x = 2.0 * np.sin(100.0 * turns) + 2.0 * np.sin(5.0 * turns)
@@ -236,7 +237,7 @@ def watched(severity: Severity) -> NDArray[np.float64]:
 
     """
     powers = [rms**2 for rms in severity.band_rms]
-    # An empty band, such as one beyond half the sample rate, never rises over the whole.
+    # The level of an empty band, such as one above half the sample rate, follows the whole.
     whole = sum(powers) + 1e-300
     heights = (whole, *(max(power, 1e-18 * whole) for power in powers[1:]))
     return np.array([round(10.0 * math.log10(height), 6) for height in heights])
@@ -244,7 +245,7 @@ def watched(severity: Severity) -> NDArray[np.float64]:
 
 def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
     """
-    Return what a record of ``count`` samples at ``sample_rate`` Hz tells of its severity.
+    Return the severity of ``count`` samples at ``sample_rate`` Hz: too few have no velocity.
 
     >>> x = np.sin(2.0 * np.pi * 100.0 * np.arange(25600) / 25600.0)
     >>> parts = Levels.of(x, np.fft.rfft(x) / len(x), 25600.0)
@@ -255,21 +256,21 @@ def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
     ['A', '']
 
     """
-    # A rate that is measured never makes a whole number of samples.
+    # At a measured rate a second is no whole number of samples.
     if count >= round(SHORTEST_VELOCITY * sample_rate):
         return severity
     return replace(severity, velocity_rms=math.nan, iso_zone='')
 
 
 def _rows(low: float, high: float, bin_hz: float, count: int) -> tuple[int, int]:
-    """First bin of a band, and the one after the last."""
+    """Return the first bin of a band, and the bin after the last."""
     first = max(math.ceil(min(low / bin_hz, count)), 1)
     return first, max(min(math.floor(min(high / bin_hz, count)) + 1, count), first)
 
 
 @compiled(fast=FAST - {'nnan', 'ninf'}, borrows=True)
 def _powers(spectrum: NDArray[np.complex64], first: int, end: int) -> tuple[float, float]:
-    """Return the mean square of some bins, and that of the integral over turns of bin 1."""
+    """Return the mean square of some bins k, and the sum of their powers over k^2."""
     total = integrated = 0.0
     for k in range(first, end):
         real, imag = np.float64(spectrum[k].real), np.float64(spectrum[k].imag)
@@ -289,11 +290,11 @@ def moments(x: NDArray[np.float64], mean: float) -> tuple[float, float, float]:
     x
         (n,).
     mean
-        In the unit of x.
+        Mean, in the unit of x.
 
     """
     second = third = fourth = 0.0
-    # By index: the compiler makes no vectors of an iterator.
+    # By index: the compiler does not vectorize an iterator.
     for n in range(len(x)):
         away = x[n] - mean
         square = away * away

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Shaft speed: refinement of the given value, and angular resampling where it varies."""
+"""Shaft speed: refinement of the given value, and angular resampling if it varies."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ if TYPE_CHECKING:
 
 
 SHAFT_FOUND = 5.0
-"""Score from which the harmonics of the shaft are believed."""
+"""Score from which harmonics of the shaft are significant."""
 
 _HARMONICS = 6
 _MARGIN = 3.0
 _BESIDE = np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
-"""Combs of the null over the speed: well away from the shaft and from its simple fractions."""
+"""Combs of the null, relative to the speed: away from the shaft and its simple fractions."""
 _STEADY = 0.005
 _FACTOR = 4.0
-"""Most by which a given speed is thought to be wrong: motors have 2, 4, 6 or 8 poles."""
+"""Largest assumed factor of a wrong given speed: motors have 2, 4, 6 or 8 poles."""
 _OTHERS = 2
 
 
 class ShaftSpeed(NamedTuple):
-    """Shaft speed used, and how far it may still be off."""
+    """Refined shaft speed and its uncertainty."""
 
     shaft_hz: float
     uncertainty: float
-    """Relative."""
+    """Relative uncertainty."""
     score: float
-    """Standard deviations of its harmonic comb over the combs beside it."""
+    """Score of its harmonics: standard deviations over combs beside it."""
     tolerance: float
-    """Relative tolerance of the speed handed in."""
+    """Relative tolerance of the given speed."""
     spread: float = math.inf
-    """Relative distance of the farthest tolerated speed that is two thirds as clear."""
+    """Relative distance of the farthest speed within the tolerance with 2/3 of the score."""
 
 
 def refine_shaft_hz(
@@ -53,24 +53,24 @@ def refine_shaft_hz(
     tolerance: float,
 ) -> ShaftSpeed:
     """
-    Look for the shaft's harmonics within the tolerance of the given speed.
+    Return the shaft speed refined by its harmonics, within the tolerance of the given speed.
 
     Parameters
     ----------
     power
         Power spectrum of the signal, bin k at k bin_hz, shape (>= 8 given_hz / bin_hz,).
     bin_hz
-        Its spacing, Hz.
+        Spacing of the bins, Hz.
     envelopes
         Squared envelope spectra of the same window.
     given_hz
-        Speed handed in, Hz.
+        Given speed, Hz.
     tolerance
-        Its relative tolerance, e.g. 0.02.
+        Relative tolerance of the given speed, e.g. 0.02.
 
     Returns
     -------
-    The refined speed, or the given one with its tolerance where no harmonics stand out.
+    The refined speed, or the given one with its tolerance if no harmonics are significant.
 
     >>> from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     >>> power = np.ones(2001, np.float32)
@@ -96,16 +96,16 @@ def refine_shaft_hz(
     best = float(scores.max())
     if best < SHAFT_FOUND:
         return ShaftSpeed(given_hz, tolerance, best, tolerance)
-    # Fault lines and their sidebands beside an integer order look like a shaft a little off: the
-    # given speed is left only for harmonics that are clearly better.
+    # Fault lines and their sidebands beside an integer order look like a shaft at a slightly
+    # different speed: only clearly better harmonics replace the given speed.
     if best < scores[len(near) // 2] + _MARGIN:
         shaft_hz = given_hz
     else:
-        # The harmonics are bins: a run of equal scores has its middle as the best estimate.
+        # Harmonics are rounded to bins: the middle of a run of equal scores is the best estimate.
         ties = near[scores >= best - 1e-9]
         shaft_hz = float(ties[np.argmin(np.abs(ties - np.median(ties)))])
     uncertainty = bin_hz / (2.0 * shaft_hz)
-    # Where the speed moves, the lines smear, and other speeds are about as clear.
+    # If the speed moves, the lines smear, and other speeds have about the same score.
     spread = float(np.abs(near[scores >= best / 1.5] / shaft_hz - 1.0).max())
     return ShaftSpeed(shaft_hz, min(uncertainty, tolerance), best, tolerance, spread)
 
@@ -113,15 +113,15 @@ def refine_shaft_hz(
 def _comb(
     logs: NDArray[np.float32], bin_hz: float, hertz: NDArray[np.floating]
 ) -> NDArray[np.float64]:
-    """Sum over the harmonics of each fundamental, without the two highest."""
-    # A fault order near an integer fakes one harmonic and its double; the shaft has more.
+    """Return the sum over the harmonics of each fundamental, without the two highest."""
+    # A fault order near an integer imitates one harmonic and its double; the shaft has more.
     sums = np.empty(len(hertz))
     without_highest(logs, hertz, bin_hz, 1, _HARMONICS, sums)
     return sums
 
 
 def _standardised(scores: NDArray[Any], null: NDArray[Any]) -> NDArray[Any]:
-    """Scores in upper standard deviations over the median of a null."""
+    """Return scores in upper standard deviations over the median of a null."""
     center, upper = (float(q) for q in quantiles(null))
     return np.asarray((scores - center) / max(upper - center, 1e-3))
 
@@ -130,20 +130,20 @@ def other_shafts_hz(
     power: NDArray[np.float32], bin_hz: float, given_hz: float, tolerance: float
 ) -> list[float]:
     """
-    Look for a shaft at any other speed, where no lines of it show at the given one.
+    Return speeds of other shafts if no lines of a shaft show at the given speed.
 
-    A given speed may be that of another shaft, or of a motor with another number of poles.
+    The given speed may be that of another shaft, or of a motor with another number of poles.
 
     Parameters
     ----------
     power, bin_hz, given_hz, tolerance
-        As in :func:`refine_shaft_hz`; power up to ``24 given_hz``.
+        As in :func:`refine_shaft_hz`, with ``power`` up to ``24 given_hz``.
 
     Returns
     -------
-    At most two speeds from a quarter to four times the given one, Hz, whose harmonics chance does
-    not make: the clearest, and the clearest beside its lines, as it may be that of a belt or of
-    the impacts themselves. None where lines of the given speed show.
+    At most two speeds with significant harmonics, Hz, from a quarter to four times the given
+    speed: the clearest, and the clearest without the lines of the first, which may be a belt or
+    the impacts themselves. Empty if lines of the given speed show.
 
     >>> power = np.ones(8001, np.float32)
     >>> power[101 * np.arange(1, 7)] = 1e4
@@ -164,7 +164,7 @@ def other_shafts_hz(
         best = int(np.argmax(scores))
         if scores[best] < Z_ELSEWHERE or scores[given].max() >= SHAFT_FOUND:
             break
-        # The harmonics are bins: equal scores in a row have their middle as the best estimate.
+        # Harmonics are rounded to bins: the middle of a run of equal scores is the best estimate.
         row = grid[(scores >= scores[best] - 1e-9) & (np.abs(grid - grid[best]) < bin_hz)]
         found.append(float(np.median(row)))
         lines = np.arange(found[-1], len(logs) * bin_hz, found[-1]) / bin_hz
@@ -175,7 +175,7 @@ def other_shafts_hz(
 
 class Turning(NamedTuple):
     """
-    Speed of the shaft during a window, part by part.
+    Speed of the shaft during each part of a window.
 
     >>> turning = Turning(np.array([25.0, 26.0]), np.array([300, 100]))
     >>> turning.mean_hz, turning.varies
@@ -186,7 +186,7 @@ class Turning(NamedTuple):
     shaft_hz: NDArray[np.float64]
     """Speed during each part, Hz, shape (b,)."""
     lengths: NDArray[np.intp]
-    """Samples of each part, shape (b,)."""
+    """Number of samples of each part, shape (b,)."""
 
     @property
     def mean_hz(self) -> float:
@@ -196,12 +196,12 @@ class Turning(NamedTuple):
 
     @property
     def varies(self) -> bool:
-        """Whether the speed moves so far that lines smear."""
+        """Whether the speed varies so much that lines smear."""
         return bool(np.ptp(self.shaft_hz) > _STEADY * self.mean_hz)
 
     def part(self, begin: int, end: int) -> Turning:
         """
-        Speed from sample ``begin`` on, before sample ``end``.
+        Return the speed from sample ``begin`` to before sample ``end``.
 
         >>> Turning(np.array([25.0, 26.0]), np.array([300, 100])).part(250, 400).lengths
         array([ 50, 100])
@@ -213,7 +213,7 @@ class Turning(NamedTuple):
 
     def equal_angles(self, count: int) -> NDArray[np.float64]:
         """
-        Sample, with fractions, at which each of ``count`` equal parts of the angle begins.
+        Return the fractional sample at which each of ``count`` equal parts of the angle begins.
 
         >>> Turning(np.array([20.0, 40.0]), np.array([100, 100])).equal_angles(6)
         array([  0.,  50., 100., 125., 150., 175.])
@@ -226,7 +226,7 @@ class Turning(NamedTuple):
 
 def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[np.float32]:
     """
-    Values at fractional positions along the first axis, in single precision.
+    Return the values at fractional positions along the first axis, in single precision.
 
     Four-point Lagrange interpolation: third order, local, exact at whole positions.
 
@@ -252,7 +252,7 @@ def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[n
 def _interpolate(
     values: NDArray[np.float32], at: NDArray[np.float64], found: NDArray[np.float32]
 ) -> None:
-    """Write the rows between those of values, (N, C), at M positions to ``found``, (M, C)."""
+    """Write the interpolated rows of ``values``, (N, C), at M positions to ``found``, (M, C)."""
     one, two, six = np.float32(1.0), np.float32(2.0), np.float32(6.0)
     for m in range(len(at)):
         base = min(max(int(np.floor(at[m])), 1), len(values) - 3)

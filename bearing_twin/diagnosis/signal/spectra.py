@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Spectra: their local floor, their whitening, and those of squared envelopes.
+Local floor and whitening of spectra, and squared envelope spectra.
 
-Every function works on plain arrays and can be used alone. Spectra are one-sided.
+All functions take plain arrays and can be used alone. Spectra are one-sided.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ WHITENINGS = ('capped', 'cepstral')
 
 _TINY = 1e-30
 _UPPER = 0.8413
-"""Share of a normal distribution up to one standard deviation over its mean."""
+"""Probability of a normal distribution up to one standard deviation over its mean."""
 _CAP, _CAP_TURNS = 4.0, 50.0
 
 
 def transform(x: NDArray[np.float32]) -> NDArray[np.complex64]:
     """
-    One-sided transform of a record: of each fourth sample at once, as registers hold four.
+    Return the one-sided transform of a record, as four transforms of every fourth sample.
 
     Parameters
     ----------
@@ -57,17 +57,17 @@ def transform(x: NDArray[np.float32]) -> NDArray[np.complex64]:
 
 @functools.lru_cache(maxsize=256)
 def _turns(count: int) -> NDArray[np.complex64]:
-    """Turn of each line of a quarter of so many samples from one sample of the whole on."""
+    """Return the twiddle factors that join transforms of every fourth of ``count`` samples."""
     turns = np.exp(-2j * np.pi / count * np.arange(count // 8 + 1))
     return np.asarray(turns, np.complex64)
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     """
-    Mean power of the noise around each bin, lines ignored.
+    Return the mean power of the noise around each bin, without lines.
 
-    The median over blocks, joined linearly, divided by that of the exponential distribution of
-    mean 1, which the periodogram of stationary noise follows: ln 2 for many bins.
+    It is the median over blocks, interpolated linearly, over the median of the exponential
+    distribution with mean 1, which the periodogram of stationary noise has: ln 2 for many bins.
     This is the threshold of Borghesani and Antoni (2018) made local.
 
     Parameters
@@ -96,7 +96,7 @@ def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
 
 def floor_levels(power: NDArray[np.float32], width: int) -> tuple[NDArray[np.float32], float, int]:
     """
-    Levels of the floor of :func:`local_floor`, the bin of the first, and the bins between them.
+    Return the levels of :func:`local_floor`, the bin of the first one, and the bins between them.
 
     Each level is the mean of two neighbouring blocks of half the width.
 
@@ -117,10 +117,10 @@ def column_levels(
     power: NDArray[np.float32], width: int
 ) -> tuple[NDArray[np.float32], float, int]:
     """
-    Levels (L, B) of the floor of spectra down columns, (K, B), from every other row.
+    Return the levels (L, B) of the floor along the columns of (K, B), from every other row.
 
-    Under a Hann window the rows between tell no more. Width and rows are counted in all of them;
-    see :func:`floor_levels`.
+    With a Hann window the rows between add no information. Width and bins count all rows; see
+    :func:`floor_levels`.
 
     >>> levels, first, hop = column_levels(np.ones((8192, 3), np.float32), 512)
     >>> levels.shape, first, hop
@@ -133,17 +133,17 @@ def column_levels(
 
 
 def _blocks(count: int, width: int) -> tuple[int, int, int]:
-    """Bins of a block of half the width, their number, and the first bin of the first."""
+    """Return the bins of a half-width block, the number of blocks, and their first bin."""
     hop = max(width // 2, 4)
     blocks = count // hop
     if blocks < 3:
         hop, blocks = count, 1
-    # Centred on the range, so that what the blocks leave over falls on both ends alike.
+    # Centred, so that the blocks leave over equal numbers of bins at both ends.
     return hop, blocks, (count - blocks * hop) // 2
 
 
 def _levels(medians: NDArray[np.float32], hop: int) -> NDArray[np.float32]:
-    """Levels from the medians of blocks along the first axis."""
+    """Return levels from the medians of blocks along the first axis."""
     medians = medians * np.float32(_over_middle(hop))
     levels = 0.5 * (medians[1:] + medians[:-1]) if len(medians) > 1 else medians
     return np.asarray(np.maximum(levels, np.float32(_TINY)))
@@ -158,7 +158,7 @@ def _ranked(
     away: float = 0.0,
     blocks: int = 1,
 ) -> NDArray[np.float32]:
-    """Value of a rank in each column of each block, see `column_ranks`."""
+    """Return the value of a rank in each column of each block, see `column_ranks`."""
     columns = values.shape[1]
     found = np.empty((blocks, max(columns, L)), np.float32)
     if columns < L:
@@ -169,7 +169,7 @@ def _ranked(
 
 @functools.lru_cache(maxsize=256)
 def _over_middle(count: int) -> float:
-    """One over the mean of the middle one of so many exponential variables, near the log of 2."""
+    """Return one over the mean of the median of ``count`` exponential variables, near 1 / ln 2."""
     return 1.0 / float((1.0 / np.arange(count - count // 2, count + 1)).sum())
 
 
@@ -177,7 +177,7 @@ def quantiles(
     values: NDArray[np.floating],
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """
-    Median and 84 % quantile along the last axis.
+    Return the median and the 84 % quantile along the last axis.
 
     >>> [float(found) for found in quantiles(np.arange(100.0))]
     [50.0, 84.0]
@@ -185,7 +185,7 @@ def quantiles(
     """
     middle, upper = values.shape[-1] // 2, int(_UPPER * values.shape[-1])
     ordered = np.array(values, order='C')
-    # One at a time: numpy has no fast way for two.
+    # One after the other: numpy is slow for two at once.
     ordered.partition(middle, axis=-1)
     center = ordered[..., middle].copy()
     above = ordered[..., middle:]
@@ -197,7 +197,7 @@ def column_quantiles(
     values: NDArray[np.float32],
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """
-    Median and 84 % quantile of each column.
+    Return the median and the 84 % quantile of each column.
 
     >>> center, upper = column_quantiles(np.arange(100.0, dtype=np.float32)[:, None])
     >>> float(center[0]), float(upper[0])
@@ -213,11 +213,11 @@ def column_quantiles(
 
 def line_cap(turns: float) -> float:
     """
-    Power over the floor at which a line is capped, for a window of so many shaft turns.
+    Return the power over the floor at which a line is capped, for a window of some shaft turns.
 
-    Twice the floor in amplitude at 50 turns. A line stands out of the floor by the length of the
-    window, and so do the lines of a fault whose impacts keep time: the cap grows with the window,
-    so that the modulation index of a fault does not fall with it.
+    It is twice the floor in amplitude at 50 turns. Lines rise over the floor with the length of
+    the window, also those of a fault with regular impacts. So the cap grows with the window, and
+    the modulation index of a fault does not fall.
 
     >>> line_cap(25.0), line_cap(50.0), line_cap(200.0)
     (4.0, 4.0, 16.0)
@@ -230,12 +230,12 @@ def whiten(
     spectrum: NDArray[np.complex64], width: int, *, cap: float = 4.0
 ) -> NDArray[np.complex64]:
     """
-    Remove the colour of a record in two ways that fail differently.
+    Return a spectrum whitened in two ways, which have different weaknesses.
 
     ``capped`` divides by the local floor and limits each line to a few times the floor, so that
-    gear and mains lines lose their weight; ``cepstral`` keeps the phase alone (cepstrum
-    pre-whitening, Borghesani et al. 2013), which ranks best but destroys effect size. Division by
-    the floor alone names no fault that these two do not name.
+    gear and mains lines lose their weight. ``cepstral`` keeps the phase only (cepstrum
+    pre-whitening, Borghesani et al. 2013): it ranks best but destroys effect size. Division by the
+    floor without a cap finds no additional fault.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ def whiten(
 
 def line_powers(spectrum: NDArray[np.complex64]) -> NDArray[np.float32]:
     """
-    Squared magnitude of each line of a spectrum, shape (K,).
+    Return the squared magnitude of each line of a spectrum, shape (K,).
 
     >>> line_powers(np.array([3.0 + 4.0j, 1.0j], np.complex64)).tolist()
     [25.0, 1.0]
@@ -280,26 +280,26 @@ class EnvelopeSpectra:
     """
     Squared envelope spectra of all bands.
 
-    Power is relative to that of the mean: 1/4 of the squared modulation index of a sinusoidal
-    modulation. Row k belongs to (k + 1) bin_hz, columns are bands, whitening by whitening.
+    Power is relative to that of the mean: a sinusoidal modulation has 1/4 of its squared
+    modulation index. Row k belongs to (k + 1) bin_hz; columns are bands, whitening by whitening.
     """
 
     bin_hz: float
     logs: NDArray[np.float32]
-    """(K, W B): log(1 + power / floor)."""
+    """(K, W B) log(1 + power / floor)."""
     excess: NDArray[np.float32]
-    """(K, B): power above the floor, lines capped."""
+    """(K, B) power above the floor, with lines capped."""
     power: NDArray[np.float32]
-    """(B, K): power, lines capped."""
+    """(B, K) power, with lines capped."""
     levels: NDArray[np.float32]
-    """(B, L): its local floor at L bins."""
+    """(B, L) local floor of ``power`` at L bins."""
     first: float
     """First of these bins."""
     hop: int
-    """Bins from one to the next."""
+    """Bins from one of these bins to the next."""
 
     def floor(self, band: int) -> NDArray[np.float32]:
-        """Local floor under the power of a band."""
+        """Return the local floor of the power of a band, (K,)."""
         floor = np.empty((1, self.power.shape[1]), np.float32)
         _interpolate(self.levels[band : band + 1], self.first, self.hop, floor)
         return np.asarray(floor[0])
@@ -314,22 +314,22 @@ def envelope_spectra(
     floor_width: int,
 ) -> EnvelopeSpectra:
     """
-    Spectra of squared envelopes up to ``max_hz``.
+    Return the spectra of squared envelopes up to ``max_hz``.
 
-    A Hann window keeps the leakage of strong lines off the floor. Bands that come a few at a time
-    stay in the cache from one step to the next.
+    A Hann window keeps the leakage of strong lines low. Up to sixteen bands at a time stay in the
+    cache from one step to the next.
 
     Parameters
     ----------
     envelopes
-        Squared envelopes, (N, n) of up to sixteen bands at a time, whitening by whitening. Columns
-        at the end that are no bands do not count.
+        Squared envelopes, (N, n), of up to sixteen bands at a time, whitening by whitening.
+        Columns after the last band do not count.
     rate
         Points a second.
     bands
-        Bands of a whitening, B.
+        Number of bands of a whitening, B.
     max_hz
-        Highest envelope frequency wanted.
+        Highest envelope frequency, Hz.
     floor_width
         Bins in a block of the floor.
 
@@ -358,7 +358,7 @@ def envelope_spectra(
 
 @compiled(inline=True)
 def _bins_between(part: int, parts: int, first: float, hop: int, count: int) -> tuple[int, int]:
-    """First bin from one level of a floor to the next, and the one after the last."""
+    """Return the first bin between two levels of a floor, and the bin after the last."""
     # Before the first level and after the last the floor is flat.
     begin = 0 if part == 0 else min(max(int(np.ceil(first + (part - 1) * hop)), 0), count)
     end = count if part == parts else min(int(np.ceil(first + part * hop)), count)
@@ -370,7 +370,7 @@ def _interpolate(
     levels: NDArray[np.float32], first: float, hop: int, floor: NDArray[np.float32]
 ) -> None:
     """
-    Write the floor of each spectrum, (n, K), between its levels, (n, L).
+    Write the floor of each spectrum, (n, K), interpolated between its levels, (n, L).
 
     The levels are at the bins ``first + l hop``.
     """
@@ -388,7 +388,7 @@ def _interpolate(
 
 @compiled(fast=FAST, borrows=True)
 def _square(spectrum: NDArray[np.complex64], power: NDArray[np.float32]) -> None:
-    """Write squared magnitudes."""
+    """Write the squared magnitudes of a spectrum."""
     for k in range(len(power)):
         power[k] = spectrum[k].real * spectrum[k].real + spectrum[k].imag * spectrum[k].imag
 
@@ -401,7 +401,7 @@ def _whiten(
     capped: NDArray[np.complex64],
     cepstral: NDArray[np.complex64],
 ) -> None:
-    """Write both whitenings, (K,): of capped lines a share of their power is over the floor."""
+    """Write both whitenings, (K,); lines with ``share`` times power over floor are capped."""
     one, tiny = np.float32(1.0), np.float32(_TINY)
     for k in range(len(spectrum)):
         power = spectrum[k].real * spectrum[k].real + spectrum[k].imag * spectrum[k].imag
@@ -419,7 +419,7 @@ def _over_floor(
     excess: NDArray[np.float32],
 ) -> None:
     """
-    Write one plus power over floor, and power above the floor, bin by bin.
+    Write one plus power over floor, and the power above the floor, of each bin.
 
     Parameters
     ----------
@@ -432,7 +432,7 @@ def _over_floor(
     ratio
         (K, B), written.
     excess
-        (K, <= B), written: of as many bands.
+        (K, <= B), written for as many bands.
 
     """
     count, bands = power.shape
@@ -456,14 +456,14 @@ def _join_quarters(
     quarters: NDArray[np.complex64], turns: NDArray[np.complex64], joined: NDArray[np.complex64]
 ) -> None:
     """
-    Write the one-sided transform of a record from those of every fourth of its samples.
+    Write the one-sided transform of a record from the transforms of every fourth sample.
 
     Parameters
     ----------
     quarters
         (M // 2 + 1, 4) one-sided transforms of M samples each.
     turns
-        (M // 2 + 1,) turn by which the second quarter is behind the first.
+        (M // 2 + 1,) twiddle factors of the second quarter.
     joined
         (2 M + 1,), written.
 

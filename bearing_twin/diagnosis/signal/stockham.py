@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Fourier transforms of sixteen columns side by side, as a register of 512 bits holds them.
+Fourier transforms of sixteen columns at once, as many as a register of 512 bits holds.
 
-The passes are those of Stockham's algorithm, from one array into another and back. Libraries that
-run on every processor transform four columns at a time. A row has sixteen complex numbers: 32
-numbers of single precision, the real parts first.
+The passes of Stockham's algorithm go from one array into another and back. Libraries for all
+processors transform four columns at a time. A row has sixteen complex numbers: 32 numbers of
+single precision, the real parts first.
 
-Compiled code of other files calls these functions: `compiled` knows this file by its name.
+Compiled code of other files calls these functions, so `compiled` lists the name of this file.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ ROW = 2 * L
 """Numbers in a row."""
 
 _TOGETHER = 20, 16, 9
-"""Factors by which two passes are done at once: fours and fives, fours and fours, threes and
-threes. Twenty comes first: a length has more twos than fives."""
+"""Radices that combine two passes: four and five, four and four, three and three. Twenty is first:
+a length has more twos than fives."""
 _LARGEST = 13
-"""Largest prime factor of a length whose lines are summed one by one, which takes its square."""
+"""Largest prime factor of a quick length: a butterfly of a prime radix costs its square."""
 
 
 @functools.lru_cache(maxsize=256)
 def turns(count: int) -> NDArray[np.float32]:
     """
-    Cosine and sine of each of so many parts of a turn backwards, shape (count, 2).
+    Return the twiddle factors exp(-2 pi i k / count) as cosine and sine, shape (count, 2).
 
     >>> turns(4)[1].round(6).tolist()
     [0.0, -1.0]
@@ -53,7 +53,7 @@ def turns(count: int) -> NDArray[np.float32]:
 
 def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
     """
-    Discrete Fourier transform down the columns.
+    Return the discrete Fourier transform along the columns.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
 
     Returns
     -------
-    The same shape.
+    Transform of the same shape.
 
     >>> rows = np.random.default_rng(0).standard_normal((42, 32)).astype(np.float32)
     >>> exact = np.fft.fft(rows[:, :16] + 1j * rows[:, 16:], axis=0)
@@ -84,9 +84,9 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
 
 def aligned(*shape: int) -> NDArray[np.float32]:
     """
-    Room for numbers that begins at a cache line.
+    Return an uninitialised array that begins at a cache line.
 
-    Sixteen that lie on two lines take twice the time.
+    Sixteen numbers across two cache lines take twice the time.
 
     >>> aligned(4, 32).ctypes.data % 64
     0
@@ -100,14 +100,14 @@ def aligned(*shape: int) -> NDArray[np.float32]:
 
 @compiled(borrows=True)
 def address(room: NDArray[np.float32]) -> int:
-    """Return where an array begins: numpy takes ten times as long to tell."""
+    """Return the address of an array; numpy takes ten times as long."""
     return room.ctypes.data
 
 
 @functools.lru_cache(maxsize=256)
 def radices(count: int) -> NDArray[np.intp]:
     """
-    Factors of a length: those that go together, a four, then primes; at least one.
+    Return the radices of a length: combined ones, four, then primes; at least one.
 
     >>> radices(5120).tolist(), radices(1).tolist()
     ([20, 16, 16], [1])
@@ -125,7 +125,7 @@ def radices(count: int) -> NDArray[np.intp]:
 
 def is_quick(count: int) -> bool:
     """
-    Whether the passes transform a length quickly: it has no prime factor above 13.
+    Return whether a length is quick to transform: it has no prime factor above 13.
 
     >>> is_quick(1638), is_quick(1700)
     (True, False)
@@ -137,7 +137,7 @@ def is_quick(count: int) -> bool:
 
 @compiled(inline=True, fast=FAST)
 def times(real: Any, imag: Any, turn: Any) -> tuple[Any, Any]:
-    """Product with a turn."""
+    """Return the product with a twiddle factor."""
     return real * turn[0] - imag * turn[1], real * turn[1] + imag * turn[0]
 
 
@@ -152,7 +152,7 @@ def _four(
     o: int,
     beside: int,
 ) -> None:
-    """Write the butterfly of four rows; lines are behind by one, two and three times a turn."""
+    """Write the butterfly of four rows with the twiddle factors ``at``, 2 ``at`` and 3 ``at``."""
     one, two, three = turns[at], turns[2 * at], turns[3 * at]
     b, c, d = a + apart, a + 2 * apart, a + 3 * apart
     ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
@@ -178,16 +178,16 @@ def _fours(
     out: NDArray[np.float32],
 ) -> None:
     """
-    Do one pass of the transform after Stockham, by butterflies of four rows.
+    Do one pass of Stockham's transform, with butterflies of four rows.
 
     Parameters
     ----------
     rows
         (4 left done, 32).
     turns
-        (N, 2) of the whole length.
+        (N, 2) twiddle factors of the whole length.
     left, done
-        Length that the later passes transform, and the one that the earlier ones did.
+        Length that later passes transform, and length that earlier passes transformed.
     out
         As ``rows``, written.
 
@@ -211,7 +211,7 @@ def sixteen(
     out: NDArray[np.float32],
     o: int,
 ) -> None:
-    """Write the butterflies of two passes by fours, of sixteen rows so far apart."""
+    """Write the butterflies of two passes by fours, of sixteen equally spaced rows."""
     for k in range(4):
         at = (p + left * k) * done
         _four(rows, a + k * apart, 4 * apart, turns, at, few, 8 * k, 2)
@@ -232,7 +232,7 @@ def twenty(
     out: NDArray[np.float32],
     o: int,
 ) -> None:
-    """Write those of a pass by fours and one by fives."""
+    """Write the butterflies of a pass by fours and one by fives."""
     for k in range(5):
         at = (p + left * k) * done
         _four(rows, a + k * apart, 5 * apart, turns, at, few, 8 * k, 2)
@@ -250,16 +250,16 @@ def _sixteens(
     out: NDArray[np.float32],
 ) -> None:
     """
-    Do two such passes at once, for which sixteen rows are read and written once.
+    Do two passes by fours at once: sixteen rows are read and written once.
 
     Parameters
     ----------
     rows
         (16 left done, 32).
     turns, left, done, out
-        See :func:`_fours`; ``left`` is of the passes after both.
+        See :func:`_fours`; ``left`` is the length for the passes after both.
     few
-        (16, 32) to work in.
+        (16, 32) scratch memory.
 
     """
     for p in range(left):
@@ -320,7 +320,7 @@ def _prime(
     """Write the butterfly of a prime number of rows, as :func:`_four` does."""
     count = len(turns)
     for k in range(radix // 2 + 1):
-        # The lines k and radix - k have sums and differences of rows in common.
+        # Lines k and radix - k share sums and differences of rows.
         sr, si = load(rows, a), load(rows, a + 1)
         tr, ti = sr * 0.0, si * 0.0
         angle, b, c = 0, a, a + radix * apart
@@ -330,7 +330,7 @@ def _prime(
             b, c, turn = b + apart, c - apart, turns[angle]
             br, bi = load(rows, b), load(rows, b + 1)
             cr, ci = load(rows, c), load(rows, c + 1)
-            # Of two rows the second is its own partner.
+            # With two rows the second is its own partner.
             half = turn[0] if b < c else np.float32(0.5) * turn[0]
             sr, si = sr + half * (br + cr), si + half * (bi + ci)
             tr, ti = tr - turn[1] * (bi - ci), ti + turn[1] * (br - cr)
@@ -350,7 +350,7 @@ def _butterflies(
     done: int,
     out: NDArray[np.float32],
 ) -> None:
-    """Do the same by butterflies of a prime number of rows."""
+    """Do one pass with butterflies of a prime number of rows."""
     for p in range(left):
         for q in range(done):
             a, o = 2 * (q + done * p), 2 * (q + radix * done * p)
@@ -366,7 +366,7 @@ def _primes(
     done: int,
     out: NDArray[np.float32],
 ) -> None:
-    """Do the same; where the compiler sees how many rows, it takes half of the time."""
+    """Do the same in half the time, because the compiler knows a constant radix."""
     if radix == 2:
         _butterflies(rows, turns, 2, left, done, out)
     elif radix == 3:
@@ -389,20 +389,20 @@ def transform_passes(
     other: NDArray[np.float32],
 ) -> None:
     """
-    Do one pass of a transform after another, from one array into the other and back.
+    Do all passes of a transform, from one array into the other and back.
 
     Parameters
     ----------
     rows
-        (N, 32), overwritten; where the number of passes is even the result is there.
+        (N, 32), overwritten; it holds the result of an even number of passes.
     left
-        Length that is left to transform, N before the first pass.
+        Length that remains to transform, N before the first pass.
     turns, radices
-        Those of N, and of what is left: see :func:`turns` and :func:`radices`.
+        Twiddle factors of N, and radices of ``left``: see :func:`turns` and :func:`radices`.
     few
-        (20, 32) to work in.
+        (20, 32) scratch memory.
     other
-        As ``rows``, written; where the number of passes is odd the result is there.
+        As ``rows``, written; it holds the result of an odd number of passes.
 
     """
     for number, radix in enumerate(radices):
@@ -430,7 +430,7 @@ def put(out: NDArray[np.float32], at: int, real: Any, imag: Any) -> None:
 
 def real_columns(lines: NDArray[np.float32], column: int, count: int) -> NDArray[np.float32]:
     """
-    Sixteen real columns from their lines, without division by their length.
+    Return sixteen real columns from their lines, not divided by their length.
 
     Parameters
     ----------
@@ -465,7 +465,7 @@ def _join_lines(
     turns: NDArray[np.float32],
     rows: NDArray[np.float32],
 ) -> None:
-    """Write rows whose transform has two real samples as one complex number, or one if odd."""
+    """Write rows whose transform has two real samples per complex number, or one if odd."""
     count, last = len(rows), len(lines) - 1
     if count == len(turns):
         for k in range(count):
