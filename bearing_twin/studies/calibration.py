@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How far the intervals of a calibration hold: all tables of docs/calibration.md.
+Coverage of the intervals of a calibration: all tables of docs/calibration.md.
 
 ``python -m bearing_twin.studies.calibration OUT.jsonl --data FOLDER`` fits the twin to machines of
 known truth (:mod:`bearing_twin.studies.calibration_machines`) and adds a line to OUT.jsonl for
-each, so that a run that was ended goes on where it was, and longer runs add to shorter ones. Then
-it prints the tables of all lines. No interval was set by these machines but for what
-`candidates.posterior.RESOLVED` and `measured.summaries.RIVAL` say of CWRU.
+each. An interrupted run continues where it stopped, and longer runs add to shorter ones. Then it
+prints the tables of all lines. These machines set no interval, except CWRU: see
+`candidates.posterior.RESOLVED` and `measured.summaries.RIVAL`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 BINS = 10
-"""Of the histogram of ranks."""
+"""Bins of the histogram of ranks."""
 SPEEDS = 'at several speeds: '
 SIMULATED: dict[str, Callable[[int], list[Row]]] = {
     'twins': machines.fit_twin,
@@ -52,7 +52,7 @@ SIMULATED: dict[str, Callable[[int], list[Row]]] = {
 
 
 def tasks(count: int, data: Path | None) -> Iterator[Task]:
-    """Yield group, name, function and arguments of each machine, the groups by turns."""
+    """Yield group, name, function and arguments of each machine, the groups in turn."""
     groups: list[list[Task]] = [
         [(group, str(number), function, (number,)) for number in range(count)]
         for group, function in SIMULATED.items()
@@ -110,7 +110,7 @@ def _share(of: Sequence[Row], low: str, high: str, truth: str = 'width') -> floa
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Fit what is not in the file yet, and print the tables."""
+    """Fit the machines that are not in the file yet, and print the tables."""
     parser = arguments(sys.modules[__name__], writes=True)
     parser.add_argument('count', type=int, nargs='?', default=100, help='of each simulated group')
     parser.add_argument('--data', type=Path, help='folder of the real recordings')
@@ -131,7 +131,7 @@ def main(argv: Sequence[str] | None = None) -> None:
             try:
                 lines.append({'group': group, 'name': name, 'rows': future.result()})
             except BearingTwinError as error:
-                # The others go on; a later run meets this one again.
+                # Continue with the others; a later run tries this one again.
                 print(f'{group}, {name}: {error}', file=sys.stderr, flush=True)
                 continue
             print(json.dumps(lines[-1]), file=out, flush=True)
@@ -215,7 +215,7 @@ def print_tables(lines: Iterable[Row]) -> None:
 
 
 def _by_slot(rows: Iterable[Row], speeds: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield what is told of each slot, from the slowest speed to the fastest."""
+    """Yield the estimated widths of each slot, from the slowest speed to the fastest."""
     named = {row['name']: row for row in rows}
     for slot in sorted({name.rpartition('_')[0] for name in named}):
         of = [named[f'{slot}_{speed}'] for speed in speeds if f'{slot}_{speed}' in named]
@@ -228,7 +228,7 @@ def _by_slot(rows: Iterable[Row], speeds: Sequence[str]) -> Iterator[tuple[str, 
 
 
 def _floors(rows: list[Row]) -> Iterator[tuple[object, ...]]:
-    """Yield how often the intervals of noise floors hold, and where the truth lies in them."""
+    """Yield how often the intervals of noise floors hold, and the ranks of the true floors."""
     for name, compared, held, error in _quantities(
         rows + [row | {'quantity': 'all'} for row in rows]
     ):
@@ -245,7 +245,7 @@ def _resonances(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
 
 
 def _healthy(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
-    """Yield how many defects wider than the limit of a healthy machine are seen."""
+    """Yield how many defects wider than the limit of a healthy machine show."""
     records = [row for row in rows if 'limit' in row]
     limited = [row for row in records if math.isfinite(row['limit'])]
     for confidence in sorted({row['confidence'] for row in limited}, reverse=True):
@@ -273,7 +273,7 @@ def _quantities(rows: Sequence[Row]) -> Iterator[tuple[object, ...]]:
 
 
 def _speeds(groups: dict[str, list[Row]]) -> Iterator[tuple[object, ...]]:
-    """Yield how often a passage was proved, and how its width holds where there was one."""
+    """Yield how often a passage was proved, and coverage and error of its width."""
     for kind in KINDS:
         rows = groups.get(SPEEDS + kind, [])
         proved = [row for row in rows if row['proved']]

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Machines of known truth to which the study of calibrations fits the twin.
+Machines of known truth for the study of calibrations: simulated ones, and records of two rigs.
 
-Twins whose unknowns come from the prior, and trains of impacts, which share nothing with the twin.
-Bearing, sample rate, speed, place of the defect, gain and the resonances of the path are drawn at
-random. And the records of two real rigs.
+The simulated machines are twins with unknowns from the prior, and trains of impacts, which share
+nothing with the twin. Bearing, sample rate, speed, place of the defect, gain and the resonances of
+the path are drawn at random.
 """
 
 from __future__ import annotations
@@ -59,27 +59,27 @@ RESONANCES_HZ = 1000.0, 12000.0
 CLOSE_SHARE, CLOSE = 0.4, (0.02, 0.15)
 """Share of the machines with two resonances close to each other, and how close, relatively."""
 LENGTHS_S, TURNS = (1.0, 2.0, 3.0, 5.0), 22.0
-"""Lengths of records, and the shaft turns that each has at least."""
+"""Lengths of records, s, and the fewest shaft turns of a record."""
 SECONDS = 3.0
-"""Length of a record where several are compared."""
+"""Length of each record if several are compared, s."""
 HUM_SHARE = 0.5
-"""Share of the machines whose record has the mains in it, up to five times as strong."""
+"""Share of the records with mains hum, up to five times as strong as the vibration."""
 WAVINESS = 1e-5, 2.5e-4
 """Range of the waviness of twins of known noise floor, m/s: see `dynamics.equations.waviness`."""
 LONG = 20
-"""Records in the one that tells the true noise floor."""
+"""Length of the record that gives the true noise floor, over that of the fitted one."""
 ADDED = 8
-"""Defects that are added to a healthy machine."""
+"""Number of defects that are added to a healthy machine."""
 RATIOS = 1.5, 2.0, 1.0 / 1.5
-"""Of the speed that is predicted to the one that was fitted."""
+"""Ratios of the predicted speed to the fitted one."""
 UNITS = {'hitsm': '', 'cwru': 'g'}
-"""Of the records, which do not say it."""
+"""Units of the records; the files do not contain them."""
 RACES_MM = {'inner': 15.55, 'outer': 23.5}
-"""Radii of the races of HIT-SM, over which its slots are given in degrees."""
+"""Radii of the races of HIT-SM, mm; its slots are given in degrees."""
 
 
 def drawn_machine(number: int, key: int) -> tuple[np.random.Generator, Situation, float]:
-    """Bearing, rate, speed and place of a number, and the length of its record, s."""
+    """Draw a machine; return the generator, its situation and the length of its record, s."""
     rng = np.random.default_rng([2711, key, number])
     low, high = SPEEDS_HZ
     situation = Situation(
@@ -106,7 +106,7 @@ def drawn_modes(
 
 
 def with_hum(x: NDArray[np.float64], rate: float, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Add the mains and seven harmonics to half of the records."""
+    """Add mains hum with seven harmonics to half of the records."""
     if rng.random() > HUM_SHARE:
         return x
     order = np.arange(1, 9)
@@ -119,12 +119,12 @@ def with_hum(x: NDArray[np.float64], rate: float, rng: np.random.Generator) -> N
 def ring(
     x: NDArray[np.float64], rate: float, modes: list[tuple[float, ...]]
 ) -> NDArray[np.float64]:
-    """Let resonances ring."""
+    """Return the sum of the responses of resonances to a signal; modes as in `drawn_modes`."""
     out = np.zeros_like(x)
     for hz, damping, height in modes:
         pole = np.exp(2.0 * np.pi * hz / rate * (1j * math.sqrt(1.0 - damping**2) - damping))
         rung = signal.lfilter([1.0], np.poly([pole, pole.conjugate()]).real, x)
-        # Of a slot so narrow that no ball is unloaded nothing rings.
+        # A slot so narrow that no ball is unloaded excites nothing.
         out += height * rung / (rung.std() or 1.0)
     return out
 
@@ -134,13 +134,13 @@ def _gain(rng: np.random.Generator) -> float:
 
 
 def row_of(found: Calibration, width: float) -> dict[str, Any]:
-    """Return what is told of the width of a defect, mm, and where the truth lies in it."""
+    """Return the estimated width of a defect, mm, and the rank of its true ``width``, mm."""
     told = found.quantities['defect_width_mm']
     own = [math.nan] * 4
     rank = math.nan
     if found.defect != 'none':
         values = found.candidates['defect_width_mm']
-        # Without what `estimates.of_defect` allows for the model.
+        # Quantiles without the allowance of `estimates.of_defect` for the model.
         own = weighted_quantile(values, found.weights, (0.05, 0.25, 0.75, 0.95)).tolist()
         rank = float(found.weights[values < width].sum())
     return {
@@ -156,7 +156,7 @@ def row_of(found: Calibration, width: float) -> dict[str, Any]:
 
 
 def fit_twin(number: int) -> list[dict[str, Any]]:
-    """Fit a record of a twin whose unknowns come from the prior, by `fit` as it is used."""
+    """Fit a record of a twin whose unknowns come from the prior."""
     rng, situation, seconds = drawn_machine(number, 0)
     truth = {name: u.place(rng.random(1)) for name, u in unknowns(situation).items()}
     x = next(vibrations(situation, truth, seconds, number + 1))[0]
@@ -165,9 +165,10 @@ def fit_twin(number: int) -> list[dict[str, Any]]:
 
 def fit_impacts(number: int, kind: str) -> list[dict[str, Any]]:
     """
-    Fit pairs of impacts: as far apart as the defect is wide, or as the path of a ball makes them.
+    Fit a train of pairs of impacts.
 
-    Of kind 'wide' they are farther apart than half of the way to the next ball.
+    Their distance is the width of the defect (kind 'edges'), less for the path of a ball ('path'),
+    or more than half of the way to the next ball ('wide').
     """
     kinds = ('edges', 'path', 'wide')
     rng, situation, seconds = drawn_machine(number, 1 + kinds.index(kind))
@@ -187,7 +188,7 @@ def _fitted_row(
     x: NDArray[np.float64], machine: Situation, rng: np.random.Generator, seed: int, width: float,
     noise: float = 0.0,
 ) -> dict[str, Any]:  # fmt: skip
-    """Fit what a sensor makes of a vibration, whose noise is given over the RMS; ``width`` mm."""
+    """Fit the sensor signal of a vibration; ``noise`` is over its RMS, ``width`` in mm."""
     rate = machine.sample_rate
     y = ring(x, rate, drawn_modes(rate, rng)) * _gain(rng)
     y += noise * y.std() * rng.standard_normal(len(y))
@@ -200,7 +201,7 @@ def train(
     machine: Situation, rng: np.random.Generator, apart_s: Sequence[float],
     shares: Sequence[float], seconds: float = SECONDS,
 ) -> NDArray[np.float64]:  # fmt: skip
-    """Impacts of passages, and others some time after each, with their shares of its height."""
+    """Return one impact per passage, and others ``apart_s`` after it; ``shares``: all heights."""
     rate, strikes = machine.sample_rate, machine.strikes
     count = int(1.2 * strikes * seconds) + 2
     entries = np.cumsum(1.0 + 0.005 * rng.standard_normal(count)) / strikes
@@ -217,7 +218,7 @@ def train(
 def _wavy_twin(
     machine: Situation, rng: np.random.Generator, n: int, seed: int
 ) -> NDArray[np.float64]:
-    """Acceleration of a twin with wavy surfaces, m/s^2, shape (n,)."""
+    """Return the acceleration of a twin with wavy surfaces, m/s^2, shape (n,)."""
     values = {name: float(u.place(rng.random())) for name, u in unknowns(machine).items()}
     low, high = WAVINESS
     twin = replace(parameters(machine, values), waviness=low * (high / low) ** rng.random())
@@ -231,10 +232,10 @@ def _wavy_twin(
 
 def fit_path(number: int) -> list[dict[str, Any]]:
     """
-    Find the noise floor of a machine, and which of its resonances belong to the path.
+    Measure the noise floor of a machine, and whether its strongest resonance is one of the path.
 
-    In turns: noise that rings, a healthy twin with wavy surfaces, such a twin with a defect. The
-    true floor is that of a record twenty times as long.
+    The machines are, in turn, noise through resonances, a healthy twin with wavy surfaces, and
+    such a twin with a defect. The true floor is that of a record twenty times as long.
     """
     rng, machine, seconds = drawn_machine(number, 4)
     kind = ('noise', 'healthy twin', 'twin with a defect')[number % 3]
@@ -267,10 +268,10 @@ def fit_path(number: int) -> list[dict[str, Any]]:
 
 def look_at_healthy(number: int) -> list[dict[str, Any]]:
     """
-    Say the smallest defect that a healthy twin would have shown, and add wider ones to it.
+    Find the smallest defect that a healthy twin would have shown, and add wider ones to it.
 
-    They are added to what the same machine does later, and looked for as the limit is worked out,
-    and by the diagnosis. Half of them are passages of the twin, half trains of impacts as strong.
+    They are added to a later record of the same machine and searched by the rule of the limit and
+    by the diagnosis. Half are passages of the twin, half are equally strong trains of impacts.
     """
     rng, machine, seconds = drawn_machine(number, 6)
     machine = replace(machine, place='none')
@@ -308,7 +309,7 @@ def look_at_healthy(number: int) -> list[dict[str, Any]]:
 
 
 def fit_record(path: Path, rpm: float, width: float) -> list[dict[str, Any]]:
-    """Fit a real record of a 6205 and say where its width lies, mm."""
+    """Fit a real record of a 6205 with a defect of known width, mm."""
     return [{'name': path.stem, **row_of(_fitted(path, rpm), width)}]
 
 
@@ -326,7 +327,7 @@ def fit_whatif(path: Path, rpm: float, others: list[tuple[Path, float]]) -> list
 
 
 def predict_train(number: int) -> list[dict[str, Any]]:
-    """Fit a train of impacts at one speed and predict the shape of the same at another."""
+    """Fit a train of impacts at one speed and predict its shape at another."""
     rng, machine, _ = drawn_machine(number, 60)
     bearing = machine.bearing
     if machine.shaft_hz * SECONDS < TURNS:
@@ -359,7 +360,7 @@ def predict_train(number: int) -> list[dict[str, Any]]:
 def _predicted(
     found: Calibration, x: NDArray[np.float64], rate: float, shaft_hz: float
 ) -> list[dict[str, Any]]:
-    """Predict a machine at another speed, beside what its record there shows."""
+    """Predict a machine at another speed, and measure its record ``x`` there."""
     expected = expect(found, shaft_hz=shaft_hz, candidates=32)
     longest = found.situation.longest * found.situation.shaft_hz / shaft_hz
     seen = features(x, rate, longest)
@@ -377,7 +378,7 @@ def _fitted(path: Path, rpm: float) -> Calibration:
 
 
 def records(folder: Path, dataset: str) -> Iterator[tuple[Path, float, float]]:
-    """File, speed in 1/min and width in mm of the race faults and healthy records of a rig."""
+    """Yield file, speed, 1/min, and width, mm, of the race faults and healthy records of a rig."""
     for row in json.loads((folder / 'index.json').read_text())['records']:
         known = row['label'] in ('inner', 'outer', 'healthy') and 'NTN' not in row['bearing_name']
         if row['dataset'] == dataset and known:

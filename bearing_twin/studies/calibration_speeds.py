@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Machines at two or three speeds: whether impacts are those of a passage, and what width they tell.
+Machines at two or three speeds: whether a passage is recognised, and with which width.
 
-Twins; trains of impacts and slots with a soft entry, which share nothing with the twin; and what
-is no passage, echoes and gears.
+The machines are twins; trains of impacts and slots with a soft entry, which share nothing with the
+twin; and echoes and gears, which are no passages.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
             x = ring(x, rate, modes)
         if kind != 'twins':
             x += noise * x.std() * rng.standard_normal(len(x))
-        # The slip is not known.
+        # The comparison does not know the slip.
         here = replace(here, slip=0.0)
         whole = correlate(x, rate)
         measured = whole.summary(here.longest)
@@ -136,9 +136,10 @@ def _soft(
     faint_db: float, rng: np.random.Generator,
 ) -> FloatArray:  # fmt: skip
     """
-    Vibration of passages whose entry is a load that falls, and comes back at the exit.
+    Return the vibration of passages with a soft entry.
 
-    It falls over the way on which the ball is unloaded; the exit is an impact, too.
+    The load falls over the distance in which the ball is unloaded. At the exit it returns, with an
+    impact.
     """
     rate, strikes = machine.sample_rate, machine.strikes
     curvature = path_curvature(machine.bearing, machine.place)
@@ -161,7 +162,7 @@ def _soft(
 
 
 def _felt(force: FloatArray, rate: float, modes: list[tuple[float, ...]]) -> FloatArray:
-    """Acceleration that a force makes, of standard deviation 1: a steady force makes none."""
+    """Return the acceleration by a force, standard deviation 1; a steady force causes none."""
     x = ring(np.diff(force, 2, prepend=(0.0, 0.0)), rate, modes)
-    # Of a slot so narrow that no ball is unloaded there is none.
+    # A slot so narrow that no ball is unloaded causes none.
     return np.asarray(x / (x.std() or 1.0))

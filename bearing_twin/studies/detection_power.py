@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The smallest fault that the chain shows, simulated with the twin.
+The smallest fault that the diagnosis detects, simulated with the twin.
 
-``python -m bearing_twin.studies.detection_power OUT.json`` writes what the diagnosis reads as
-``bearing_twin/diagnosis/detection_power.json`` (some minutes) and prints it as a table.
+``python -m bearing_twin.studies.detection_power OUT.json`` writes the table that the diagnosis
+reads as ``bearing_twin/diagnosis/detection_power.json`` and prints it (some minutes).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def _record(
         bearing=BEARING,
         defect=defect,
         width=width * 1e-3,
-        # The ball profile bounds the depth by the width: a deep floor never touches.
+        # The width limits how deep a ball sinks: it never touches a floor this deep.
         depth=50e-6,
         noise=noise,
     )
@@ -56,7 +56,7 @@ def _record(
 def _shown(
     defect: str, width: float, shaft_hz: float, temperature: float, noise: float
 ) -> list[bool]:
-    """Whether each window names the fault with most seeds."""
+    """Return for each window whether the fault is named with most seeds."""
     bearing = find_bearing(BEARING)
     hits = np.zeros(len(WINDOWS), dtype=int)
     for seed in SEEDS:
@@ -71,7 +71,7 @@ def _shown(
 def _smallest(
     defect: str, shaft_hz: float, temperature: float, noise: float
 ) -> list[float | None]:
-    """Per window the smallest width, mm, from which on all larger ones show, too."""
+    """Return for each window the width, mm, from which all are detected; None if there is none."""
     shown = np.array([_shown(defect, width, shaft_hz, temperature, noise) for width in WIDTHS])
     smallest: list[float | None] = []
     for column in shown.T:
@@ -82,7 +82,7 @@ def _smallest(
 
 
 def simulate_table() -> dict[str, Any]:
-    """Everything that ``bearing_twin.diagnosis.power`` reads."""
+    """Return the table that ``bearing_twin.diagnosis.power`` reads."""
     smallest = {
         defect: [
             [[_smallest(defect, speed, heat, noise) for noise in NOISES] for heat in TEMPERATURES]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a machine does beside its bearing: shaft, gears, mains, shocks, pulses, swelling noise."""
+"""Vibration of a machine beside its bearing: shaft, gears, mains, shocks, pulses, flow noise."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ CONDITIONS = ('none', *PLACES)
 """True conditions of the bearings of a study."""
 
 _DECAY, _RING_S = 400.0, 0.02
-"""Decay of a shock, 1/s, and how long it is followed."""
+"""Decay of a shock, 1/s, and its length, s."""
 
 MACHINES = ('quiet', 'shaft', 'gear', 'mains', 'modulated', 'impulses')
-"""What :func:`disturbance` knows besides ``'pulses'`` and ``'impacts'``."""
+"""Machines of :func:`disturbance`, besides ``'pulses'`` and ``'impacts'``."""
 
 
 def disturbance(
     machine: str, turns: NDArray[np.float64], sample_rate: float, rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """
-    Return what a machine adds to the vibration of its bearing, in no unit.
+    Return the vibration that a machine adds to that of its bearing, without a unit.
 
-    ``turns`` are those of the shaft since the beginning at each sample, shape (n,).
+    ``turns`` are the turns of the shaft since the beginning, at each sample, shape (n,).
 
     Returns
     -------
@@ -54,7 +54,7 @@ def disturbance(
         step = shaft * float(rng.choice((0.5, 1.0)))
         return np.asarray(np.sum([tone(k * step) / np.sqrt(k) for k in range(1, 40)], axis=0))
     if machine == 'gear':
-        # Two meshes, one of them on another shaft whose turns are no multiple of this one's.
+        # Two meshes, one of them on another shaft, whose speed is no multiple of this one's.
         meshes = (int(rng.integers(13, 60)), float(rng.uniform(13.0, 60.0)))
         orders = [k * mesh for mesh in meshes for k in (1, 2, 3)]
         return np.asarray(
@@ -69,7 +69,7 @@ def disturbance(
         lines = (*(hum * np.arange(1, 20)), *stray)
         return np.asarray(np.sum([tone(2.0 * np.pi * hertz * t) for hertz in lines], axis=0))
     if machine == 'modulated':
-        # Noise of a flow or a seal that swells once a turn.
+        # Noise of a flow or a seal, modulated once per turn.
         swell = 1.0 + 0.8 * np.cos(shaft + rng.uniform(0.0, 6.3))
         return np.asarray(swell * rng.standard_normal(n))
     if machine == 'impulses':
@@ -86,7 +86,7 @@ def disturbance(
         shocks[at] = 1.0 + 0.3 * rng.standard_normal(len(at))
         return _ringing(shocks, t, float(rng.uniform(0.08, 0.4)) * sample_rate)
     if machine == 'pulses':
-        # A converter: single spikes, and pulses twice a period of the mains.
+        # A converter: single spikes, and two pulses per period of the mains.
         spikes = np.zeros(n)
         count = rng.poisson(5.0 * n / sample_rate) + 1
         spikes[rng.integers(0, n, count)] = 20.0 * rng.standard_normal(count)
@@ -109,9 +109,9 @@ def _ringing(
 
 def with_memory(noise: NDArray[np.float64], memory: float) -> NDArray[np.float64]:
     """
-    Let white noise remember so many samples, along its first axis; its scatter stays.
+    Correlate white noise over ``memory`` samples along its first axis; its scatter stays.
 
-    The first few times ``memory`` samples scatter less.
+    The scatter is less at the beginning, for a few times ``memory`` samples.
     """
     keep = math.exp(-1.0 / memory)
     return np.asarray(signal.lfilter([math.sqrt(1.0 - keep**2)], [1.0, -keep], noise, axis=0))

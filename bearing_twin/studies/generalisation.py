@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the diagnosis says on simulated machines that nobody tuned it for.
+Results of the diagnosis on simulated machines for which it was not tuned.
 
-``python -m bearing_twin.studies.generalisation [CASES] [twin|impacts] [FIRST]`` draws machines at
-random, CASES of them from number FIRST (0) on: numbers that nobody has drawn judge afresh.
-Those of ``twin`` are solved with the equations of motion: bearing of the catalogue, speed, sample
-rate, load, slip, place and size of the defect. Those of ``impacts`` share nothing with the twin:
-trains of impacts with random slip, or noise that swells with them, through random resonances, at
-the geometries, sample rates and lengths of known rigs. Both have a sensor gain without a unit, a
-nameplate speed that is off, and what other machinery adds. It prints tables of the answers by the
-true condition and by the machine.
+``python -m bearing_twin.studies.generalisation [CASES] [twin|impacts] [FIRST]`` draws CASES random
+machines from number FIRST (0) on. Numbers that were never drawn before are an independent test.
+Machines of ``twin`` solve the equations of motion with random bearing, speed, sample rate, load,
+slip, place and size of the defect. Machines of ``impacts`` share nothing with the twin: they are
+trains of impacts with random slip, or noise modulated by them, through random resonances, with the
+geometries, sample rates and lengths of known rigs. Both have an unknown sensor gain, an inexact
+nameplate speed, and the vibration of other machinery. It prints tables of the answers by true
+condition and by machine.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Machine: TypeAlias = twin_machines.Case | impact_machines.Case
 
 
 def outcome(case: Machine, said: Diagnosis) -> str:
-    """``right``, ``wrong`` (a fault that is not there), or the answer that was not one."""
+    """Return ``right``, ``wrong`` (a fault that is not there), or the result if it is neither."""
     truth = () if case.condition == 'none' else (case.condition,)
     if said.result not in PLACES:
         return 'right' if said.result == 'healthy' and not truth else said.result

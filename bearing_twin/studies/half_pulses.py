@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Pulses at twice the order of a race, beside faults of that race: what ``MISSING`` rests on.
+Pulses at twice the order of a race, compared with faults of that race: basis of ``MISSING``.
 
 ``python -m bearing_twin.studies.half_pulses [RECORDS [FIRST]]`` draws RECORDS (200) of each of
 three kinds, from number FIRST (0) on: pulses at twice the order of a race, whose heights scatter
 by 25 % and vary by up to a half with the shaft (eccentricity); faults of the race; and faults that
 strike twice, at both edges of a long spall, where the second impact comes half a gap after the
-first and has 0.5 to 0.8 of its height, so that the odd harmonics are weak. It prints the height of
-the odd harmonics over that of the even ones, in the bands where the series of pulses is highest,
-for the records whose comb is strong enough for a fault, how many of them are called pulses, and
-how many raise an alarm.
+first and has 0.5 to 0.8 of its height, so that the odd harmonics are weak. Of the records whose
+harmonics are strong enough for a fault it prints the height of the odd harmonics over that of the
+even ones, in the bands where the series of pulses is highest, how many of them are called pulses,
+and how many raise an alarm.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ RATES = (12800.0, 25600.0, 51200.0)
 def _train(
     kind: str, order: float, turns: float, rng: np.random.Generator
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Places of the impacts, turns of the shaft, and their heights."""
+    """Return the times of the impacts, in turns of the shaft, and their heights."""
     per_turn = 2.0 * order if kind == 'pulses' else order
     count = int(turns * per_turn)
     jitter = 0.0 if kind == 'pulses' else 0.005
@@ -59,9 +59,9 @@ def _train(
 
 def measured(kind: str, number: int) -> tuple[float, bool] | None:
     """
-    Odd over even harmonics of a record, and whether it raises an alarm; None if the comb is weak.
+    Return odd over even harmonics of a record, and whether it raises an alarm; None if too weak.
 
-    The same number is the same record.
+    A number is always the same record.
     """
     rng = np.random.default_rng([2031, number])
     bearing, place = find_bearing(str(rng.choice(BEARINGS))), str(rng.choice(('outer', 'inner')))

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Rigs drawn at random whose bearings are trains of impacts: nothing of it is the twin's.
+Random rigs whose bearings are trains of impacts; they share nothing with the twin.
 
-Impacts with random slip (a random walk, so that they keep no time), or noise that swells with
-them, pass through random resonances (Antoni and Randall, J. Sound Vib. 2003, 265, 1059: what
-fault signals of rolling bearings have in common is their cyclostationarity, not their shape).
+Impacts with random slip (a random walk of their times), or noise modulated by them, pass through
+random resonances (Antoni and Randall, J. Sound Vib. 2003, 265, 1059: fault signals of rolling
+bearings have their cyclostationarity in common, not their shape).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 SHAPES = ('point', 'double', 'extended')
-"""One impact a pass; one at each edge of a spall; noise while the ball is on it."""
+"""One impact per pass; one at each edge of a spall; noise while the ball is on the spall."""
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,14 @@ class Rig:
     """Hz."""
     shaft_hz: float
     seconds: float
-    """Length of a record."""
+    """Length of a record, s."""
 
 
 SPEED_SHARE = 0.5
 """Share of the misled cases with a wrong speed; the others have a wrong bearing."""
 
 ANOTHER = 0.012
-"""Relative difference of a fault order from which on a bearing is another one."""
+"""Relative difference of a fault order from which on a bearing counts as another one."""
 
 RIGS = {
     '6203 at 64 kHz, 15 Hz': Rig(8, 6.75, 28.55, 0.0, 64e3, 15.0, 4.0),
@@ -86,40 +86,40 @@ class Case:
     shape: str
     shaft_hz: float
     given_hz: float
-    """Speed handed to the diagnosis, off by up to 2 %."""
+    """Speed given to the diagnosis, Hz, off by up to 2 %."""
     wander: float
     """Relative amplitude of a slow change of the speed."""
     slip: float
     jitter: float
     """Relative spread of the gaps between impacts."""
     depth: float
-    """Of the modulation of the impacts by the load zone."""
+    """Depth of the modulation of the impacts by the load zone."""
     strength: float
     """RMS of the impacts over that of the noise."""
     disturbance: float
-    """RMS of what the machine adds over that of the bearing."""
+    """RMS of the machine's own vibration over that of the bearing."""
     counts: bool
     """Whether the samples are whole numbers, as of a 16 bit converter."""
     ripple: float
     """Relative amplitude by which sound parts of the bearing modulate its rolling noise."""
     axis_wander: float
-    """Of a damaged ball, share of its impacts that its wandering axis of spin takes away."""
+    """Share of a damaged ball's impacts that are lost because its axis of spin wanders."""
     given_rig: str
-    """Rig whose geometry is handed to the diagnosis."""
+    """Rig whose geometry is given to the diagnosis."""
     spalls: int
-    """Spalls of the damaged part: one, or several where it is worn out."""
+    """Spalls of the damaged part: one, or several if it is worn."""
     waves: float
-    """RMS of what the waves of the races force, over that of the noise."""
+    """RMS of the vibration by surface waviness, over that of the noise."""
     seed: int
 
     @property
     def sample_rate(self) -> float:
-        """Hz."""
+        """Sample rate, Hz."""
         return RIGS[self.rig].sample_rate
 
     @property
     def geometry(self) -> Bearing:
-        """Geometry that is handed to the diagnosis."""
+        """Geometry that is given to the diagnosis."""
         return _geometry(self.given_rig)
 
 
@@ -143,7 +143,7 @@ def _geometry(name: str) -> Bearing:
 
 def draw(number: int, *, misled: bool = False) -> Case:
     """
-    Case of a number; the same number is the same case.
+    Draw a case; a number is always the same case.
 
     If ``misled``, the diagnosis is given another bearing, or a speed that is 3 to 5 % off.
     """
@@ -191,7 +191,7 @@ def draw(number: int, *, misled: bool = False) -> Case:
 def _resonate(
     x: NDArray[np.float64], sample_rate: float, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Pass through two to four resonances at random."""
+    """Pass a signal through two to four random resonances."""
     out = np.zeros(len(x))
     for _ in range(rng.integers(2, 5)):
         omega = 2.0 * np.pi * rng.uniform(0.06, 0.42)
@@ -206,12 +206,12 @@ def _resonate(
 def _impacts(
     case: Case, turns: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Impacts or swelling noise of the fault before any resonance, shape of ``turns``."""
+    """Return impacts or modulated noise of the fault before any resonance, shape of ``turns``."""
     orders = fault_orders(_geometry(case.rig), case.slip)
     order = orders.impacts(case.condition)
     gaps = (1.0 + case.jitter * rng.standard_normal(int(1.2 * order * turns[-1]) + 10)) / order
     if case.condition == 'ball':
-        # The faster the axis moves, the less the impacts keep time.
+        # The faster the axis moves, the more irregular are the times of the impacts.
         gaps *= 1.0 + 0.05 * case.axis_wander * rng.standard_normal(len(gaps))
     places = np.cumsum(gaps) + rng.uniform()
     if case.spalls > 1:
@@ -228,7 +228,7 @@ def _impacts(
     height = np.maximum(1.0 + case.depth * np.cos(swing * places + phase), 0.0)
     height *= 1.0 + 0.25 * rng.standard_normal(len(places))
     if case.condition == 'ball':
-        # Once on the inner race, once on the outer race, which is farther from the sensor or not.
+        # Inner and outer race in turn; one of them may be farther from the sensor.
         height[::2] *= rng.uniform(0.5, 1.0)
         height *= 1.0 - case.axis_wander * _hidden(places * orders.ftf, rng)
     at = np.searchsorted(turns, places)
@@ -241,11 +241,11 @@ def _impacts(
 
 def _hidden(cage_turns: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
     """
-    Share of a ball's spall that lies beside the races at each impact.
+    Return the share of a ball's spall that lies beside the races at each impact.
 
     The axis of spin wanders within some turns of the cage, so that the spall leaves the races and
-    comes back (Smith and Randall, Mech. Syst. Signal Process. 2015, 64, 100: why balls are seen
-    least).
+    returns (Smith and Randall, Mech. Syst. Signal Process. 2015, 64, 100: therefore ball faults
+    are the hardest to detect).
     """
     knots = np.arange(0.0, cage_turns[-1] + 12.0, 3.0)
     slow = np.interp(cage_turns, knots, rng.uniform(-0.5, 1.5, len(knots)))
@@ -256,7 +256,7 @@ def _ripple(
     case: Case, turns: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """
-    Modulation of the rolling noise by sound parts, shape of ``turns``.
+    Return the modulation of the rolling noise by sound parts, shape of ``turns``.
 
     The load on a contact varies as balls pass it, as the waves of the races pass the balls, with
     the unbalance, and with the largest ball (Harris and Kotzalas, Advanced Concepts of Bearing
@@ -277,10 +277,10 @@ def _waves(
     case: Case, turns: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """
-    Force of the waves of both races and of a ball: lines at the multiples of their orders.
+    Return the force by waviness of both races and a ball: lines at the multiples of their orders.
 
-    The profiles are random (Wensing, On the dynamics of ball bearings, Twente 1998), so their
-    lines have no common instant. Those of what turns through the load have sidebands.
+    The profiles are random (Wensing, On the dynamics of ball bearings, Twente 1998), so that their
+    lines have random phases. Lines of parts that turn through the load zone have sidebands.
     """
     orders = fault_orders(_geometry(case.rig), case.slip)
     force = np.zeros(len(turns))
@@ -295,7 +295,7 @@ def _waves(
 
 
 def record(case: Case) -> NDArray[np.float64]:
-    """Return the samples of a case, in no known unit, with an offset."""
+    """Return the samples of a case, in an unknown unit, with an offset."""
     rng = np.random.default_rng([case.seed, 3])
     rate = case.sample_rate
     n = int(rate * RIGS[case.rig].seconds)

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Sidebands of a part that moves through the load: where ``SWAY`` and ``RIPPLE`` come from.
+Sidebands of a part that moves through the load zone: basis of ``SWAY`` and ``RIPPLE``.
 
 ``python -m bearing_twin.studies.load_sidebands [RECORDS]`` draws RECORDS (40) trains of impacts in
-noise for each spread of the load, and prints the sidebands of one turn over the harmonics of their
-comb, and how many lie below ``SWAY``.
+noise for each spread of the load, and prints the sidebands of one turn over their harmonics, and
+how many lie below ``SWAY``.
 
 The deflection of the rolling elements of a loaded bearing is 1 - (1 - cos a) / (2 e) of the
 largest, a being the angle from the load and e the spread of the load zone (Harris and Kotzalas,
@@ -46,7 +46,7 @@ RATE, SHAFT_HZ, SECONDS = 12800.0, 25.0, 4.0
 
 def expected(spread: float) -> float:
     """
-    Sidebands over harmonics, root of the mean square of those one and two turns beside them.
+    Return sidebands over harmonics: root mean square of those one and two turns beside them.
 
     >>> round(expected(2.2), 2), round(expected(1.0), 2)
     (0.2, 0.49)
@@ -59,9 +59,10 @@ def expected(spread: float) -> float:
 
 def ripple(spread: float) -> float:
     """
-    Power of harmonics 5 to 8 over that of 1 to 4 of impacts within a load zone, squared envelope.
+    Return the power of harmonics 5 to 8 over that of 1 to 4 of impacts within a load zone.
 
-    The force of a contact goes with the deflection to the power of 1.5.
+    The harmonics are those of the squared envelope. The force of a contact is proportional to the
+    deflection to the power of 1.5.
 
     >>> round(ripple(0.1), 2), round(ripple(0.2), 2)
     (0.2, 0.04)
@@ -74,7 +75,7 @@ def ripple(spread: float) -> float:
 
 
 def measured(spread: float, seed: int) -> float:
-    """Sidebands over harmonics that the search measures on a record in noise."""
+    """Return the sidebands over harmonics that the search measures on a record in noise."""
     rng = np.random.default_rng([2029, seed])
     bearing = find_bearing('6205')
     order = fault_orders(bearing, 0.01).bpfi

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Outer races that ring at few times their frequency, beside sound ones: what ``LOW_LINES`` rests on.
+Outer races that ring at a few times their frequency, and sound ones: basis of ``LOW_LINES``.
 
 ``python -m bearing_twin.studies.low_ringing [RECORDS [FIRST]]`` draws RECORDS (300) sound and as
-many damaged bearings, from number FIRST (0) on. All have the lines of the variable compliance and
-half of them those of waves, with random phases; beside most there is a shaft, a gear, mains,
-shocks or noise that swells. The impacts of the damaged ones ring at 4 to 11 times their frequency.
-Of the records that the other rules call healthy it prints how many have at least such a share of
-the power at low multiples of the outer race in its lines.
+many damaged bearings, from number FIRST (0) on. All have the lines of variable compliance and half
+of them those of waviness, with random phases. Most machines also have a shaft, a gear, mains,
+shocks or modulated noise. The impacts of damaged bearings ring at 4 to 11 times their frequency.
+For the records that the other rules call healthy it counts how many reach each share of power:
+that of the lines of the outer race in the range of its low multiples.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ SHARES = (0.1, 0.2, 0.25, 0.3, LOW_LINES, 0.4, 0.5)
 def _lines(
     turns: NDArray[np.float64], order: float, fall: float, count: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Lines of one RMS at the first multiples of an order, which fall with their number."""
+    """Return lines at the first multiples of an order, which fall with their number; RMS 1."""
     total = np.zeros(len(turns))
     for k in range(1, count + 1):
         phase = 2.0 * np.pi * (k * order * turns + rng.random())
@@ -51,7 +51,7 @@ def _lines(
 
 
 def record(number: int, *, damaged: bool) -> tuple[NDArray[np.float64], float, Bearing, float]:
-    """Return samples, sample rate, bearing and shaft speed; the same number is the same record."""
+    """Return samples, sample rate, bearing and shaft speed; a number is always the same record."""
     rng = np.random.default_rng([2041, number, damaged])
     bearing, rate = find_bearing(str(rng.choice(BEARINGS))), float(rng.choice(RATES))
     shaft_hz = float(rng.uniform(12.0, 60.0))
@@ -82,7 +82,7 @@ def record(number: int, *, damaged: bool) -> tuple[NDArray[np.float64], float, B
 
 
 def share(number: int, *, damaged: bool) -> float | None:
-    """Share of a record's power that is in the low lines; None where another rule answers."""
+    """Return the share of a record's power in the low lines; None if another rule decides."""
     x, rate, bearing, shaft_hz = record(number, damaged=damaged)
     analysis = Excerpt.of(x, shaft_hz, rate, bearing, DiagnosisSettings()).analyse()
     window = analysis.window

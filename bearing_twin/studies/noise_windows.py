@@ -1,13 +1,14 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What noise alone reaches: the false alarm rate of each threshold, and of the verdicts.
+False alarm rate of each threshold, and of the verdicts, on noise alone.
 
 ``python -m bearing_twin.studies.noise_windows [WINDOWS [FIRST]]`` draws windows of noise, from
 number FIRST (0) on: white, pink, and with the lines of a machine (shaft, mains, stray lines and a
-modulated gear mesh); four bearings, 12 to 25.6 kHz, 10 to 50 Hz with a speed that is off by up to
-1 %, 1, 2 and 4 s. No bearing is in them, so each name is a false alarm. It prints the verdicts by
-length, and how often the noise passes each threshold of a score and of an effect size.
+modulated gear mesh). They have 1, 2 or 4 s at 12 to 25.6 kHz, and are diagnosed for four bearings
+at 10 to 50 Hz, with a speed that is off by up to 1 %. They contain no bearing, so that each named
+fault is a false alarm. It prints the verdicts by length, and how often the noise passes each
+threshold of a score and of an effect size.
 """
 
 from __future__ import annotations
@@ -61,26 +62,26 @@ class NoiseWindow:
     sample_rate: float
     """Hz."""
     given_hz: float
-    """Speed handed to the diagnosis, Hz."""
+    """Speed given to the diagnosis, Hz."""
     x: NDArray[np.float64]
 
 
 class Reached(NamedTuple):
-    """What a window of noise reaches."""
+    """Scores and effect sizes that a window of noise reaches."""
 
     scores: dict[str, float]
     indices: dict[str, float]
     elsewhere: tuple[float, float]
     """Score and index of the best comb at any order."""
     second_look: tuple[float, ...]
-    """Scores on a second look, where there is one."""
+    """Scores on a second look, if there is one."""
     passages: float
     """Significance of a ball that strikes in groups."""
 
 
 def draw(number: int) -> NoiseWindow:
     """
-    Window of a number; the same number is the same window.
+    Draw a window; a number is always the same window.
 
     >>> window = draw(2)
     >>> window.kind, window.seconds, len(window.x) == round(2.0 * window.sample_rate)
@@ -122,7 +123,7 @@ def _lines(
 
 
 def _judge(window: NoiseWindow) -> tuple[Diagnosis, Reached] | None:
-    """Diagnosis of a window and what it reaches; None where the record gate refuses it."""
+    """Return diagnosis and scores of a window; None if the record gate refuses it."""
     excerpt = Excerpt.of(
         window.x, window.given_hz, window.sample_rate, window.bearing, DiagnosisSettings()
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the studies share: their arguments, the file that the caller names, tables in Markdown."""
+"""Shared functions of the studies: arguments, output files, and tables in Markdown."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def arguments(
     module: ModuleType, *, writes: bool = False, **counts: int
 ) -> argparse.ArgumentParser:
     """
-    Return a parser that says what a study does, which begins: freed memory is kept from here on.
+    Return the argument parser of a study that begins; from here on, freed memory is kept.
 
-    If it ``writes``, its file is the first argument; ``counts`` are numbers that may be given
-    after that, in this order, with their defaults.
+    Its help is the docstring of the module. If the study ``writes``, the first argument is its
+    output file. ``counts`` are optional numbers after it, in this order, with their defaults.
     """
     keep_freed_memory()
     parser = argparse.ArgumentParser(
@@ -42,7 +42,7 @@ def arguments(
 
 
 def _new_file(name: str) -> Path:
-    """Return a file whose folder is there: a study of an hour must not end without a place."""
+    """Return a path whose folder exists, so that a study of an hour does not fail at its end."""
     path = Path(name)
     if not path.absolute().parent.is_dir():
         raise argparse.ArgumentTypeError(f'{path.absolute().parent} is no folder; make it first')
@@ -50,16 +50,16 @@ def _new_file(name: str) -> Path:
 
 
 def write_table(path: Path, values: Mapping[str, Any]) -> None:
-    """Write what a study found."""
+    """Write the results of a study as JSON."""
     with output_file(path) as file:
         file.write(f'{json.dumps(values, indent=1)}\n'.encode())
 
 
 def read_lines(path: Path) -> list[Any]:
     """
-    Return the lines of JSON that an earlier run has written; none where there is no file.
+    Return the lines of JSON that an earlier run has written; none if there is no file.
 
-    A last line that is cut off, as by a kill, is taken off the file, so that a run can go on.
+    An incomplete last line, as after a kill, is removed from the file, so that a run can go on.
     """
     try:
         text = path.read_text(encoding='utf-8')

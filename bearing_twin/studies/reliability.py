@@ -1,19 +1,19 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How often the answers of the diagnosis are right: what its confidence rests on.
+How often the answers of the diagnosis are right: basis of its confidence.
 
 ``python -m bearing_twin.studies.reliability ANSWERS.jsonl [TWINS IMPACTS] [--fresh TWINS IMPACTS]
-[--weights JSON | --shipped] [--picture PNG]`` diagnoses machines drawn at random with both models
-of :mod:`bearing_twin.studies.generalisation`, as many sound as damaged ones, and every fourth
-machine with impacts again, whose diagnosis is given another bearing or a speed 3 to 5 % off. A
-fifth of the damaged bearings are worn out, and the surfaces of all twins and of half of the others
-have waves. Each answer is added to ANSWERS.jsonl, and a run goes on where the one before ended:
-delete the file after a change of the rules. The study fits the weights that the diagnosis reads as
-``bearing_twin/diagnosis/rules/reliability.json`` (logistic regression, one for each kind of
-answer). With fresh draws, which no weight has seen, it prints, and draws, how far the confidence
-holds. With ``--shipped`` it fits none and does so for the weights in use. No real record takes
-part. A twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the default takes
+[--weights JSON | --shipped] [--picture PNG]`` diagnoses random machines of both models of
+:mod:`bearing_twin.studies.generalisation`, as many sound as damaged ones. Every fourth machine
+with impacts is diagnosed again with another bearing or a speed 3 to 5 % off. A fifth of the
+damaged bearings are worn; all twins and half of the other machines have surface waviness. Each
+answer is added to ANSWERS.jsonl, and the next run continues there: delete the file after a change
+of the rules. The study fits the weights that the diagnosis reads as
+``bearing_twin/diagnosis/rules/reliability.json`` (one logistic regression for each kind of
+answer). Fresh machines, which no weight has seen, show how far the confidence holds: it prints
+this, and draws it. With ``--shipped`` it fits no weights and checks those in use. No real record
+is used. A twin takes 0.35 s of one processor, a machine with impacts 0.08 s: the default takes
 some forty minutes of one processor.
 """
 
@@ -46,16 +46,16 @@ if TYPE_CHECKING:
 
 
 FEWEST = 25
-"""Least answers of a kind from which weights are fitted."""
+"""Fewest answers of a kind to which weights are fitted."""
 
 FIRST, FRESH = 1_600_000, 6_400_000
-"""Numbers of the first machine that weights are fitted to, and of the first that checks them."""
+"""Number of the first machine of the fit, and of the first machine of the check."""
 
 STRIKING = ('impacts', 'impulses', 'pulses')
-"""Machines around a bearing that strike themselves."""
+"""Machines that cause impacts or shocks outside the bearing."""
 
 UNRATED = ('record_gate', 'another_speed', 'two_faint_places')
-"""Rules whose answers do not have the confidence of their kind."""
+"""Rules whose answers are left out, because their confidence is not that of their kind."""
 
 BINS = 10
 """Equal ranges of confidence in which answers are counted together."""
@@ -73,11 +73,12 @@ GROWS = {
     'unsteady': -1,
     'sound': 1,
 }
-"""Whether the share of right answers grows or falls with a term, whatever a few answers say."""
+"""Sign of each weight: the share of right answers grows (1) or falls (-1) with the term. It is
+fixed, so that a few answers cannot reverse it; 0: not fixed."""
 
 _SHRINK = 1.0
-"""Answers that the squares of the weights count as: what few answers say is mostly chance, so the
-confidence of a kind with few of them stays near their share."""
+"""Penalty on the squares of the weights, in answers. Few answers are mostly chance, so that the
+confidence of their kind stays near their share."""
 
 
 _AGAIN = 500
@@ -88,7 +89,7 @@ Task: TypeAlias = tuple[str, int, bool]
 
 
 class Told(NamedTuple):
-    """One answer."""
+    """One answer of the diagnosis, and whether it is right."""
 
     kind: str
     trust: Trust
@@ -100,14 +101,14 @@ def tell(case: Machine, said: Diagnosis) -> Told | None:
     if said.rule in UNRATED:
         return None
     sound = case.condition == 'none'
-    # What is not called healthy for its confidence, or for its length, counts among the healthy.
+    # Bearings that only low confidence or a short record keeps from *healthy* count as healthy.
     kind = said.kind or 'healthy'
     if kind == 'healthy':
         right = sound
     elif kind == 'elsewhere':
         right = not sound or case.machine in STRIKING
     elif kind == 'suspect':
-        # No alarm and no place that is sure: something is wrong with the bearing, or nothing is.
+        # Neither an alarm nor a sure place: right if anything is wrong with the bearing.
         right = not sound
     elif kind == 'fault':
         right = said.faults == (case.condition,)
@@ -122,19 +123,19 @@ def _matrix(told: Sequence[Told], names: Sequence[str]) -> NDArray[np.float64]:
 
 
 def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[str, float]]:
-    """Weights of the terms for each of these kinds of answer: logistic regression."""
+    """Return the weights of the terms for each kind of answer, by logistic regression."""
     weights = {}
     for kind in kinds:
         rows = [t for t in told if t.kind == kind]
         if len(rows) < FEWEST:
             msg = f'{len(rows)} answers {kind!r} are fewer than {FEWEST}; draw more machines'
             raise BearingTwinError(msg)
-        # Rules call a bearing healthy by its odds: its confidence tells how far these hold.
+        # Rules call a bearing healthy by its odds: its confidence is how far these hold.
         rules = sorted({t.trust.rule for t in rows} - {''})
         names = ('constant', 'sound') if kind == 'healthy' else (*TERMS, *rules)
         terms = _matrix(rows, names)
         right = np.array([t.right for t in rows])
-        # One right and one wrong answer more, so that no kind is certain.
+        # Add one right and one wrong answer, so that no kind is certain.
         terms = np.vstack((terms, terms.mean(axis=0), terms.mean(axis=0)))
         right = np.append(right, (True, False))
 
@@ -154,7 +155,7 @@ def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[st
 
 
 def _bounds(names: Sequence[str]) -> list[tuple[float | None, float | None]]:
-    """Bounds of the weights of some terms."""
+    """Return the bounds of the weights of terms: see `GROWS`."""
     ends: dict[int, tuple[float | None, float | None]] = {
         -1: (None, 0.0),
         0: (None, None),
@@ -166,16 +167,16 @@ def _bounds(names: Sequence[str]) -> list[tuple[float | None, float | None]]:
 def _read(
     weights: dict[str, dict[str, float]], told: Sequence[Told]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Confidence of each answer, and whether it is right."""
+    """Return the confidence of each answer, and 1 if it is right, else 0."""
     said = [share_right(weights[t.kind], t.trust) for t in told]
     return np.array(said), np.array([t.right for t in told], dtype=float)
 
 
 def _counts(said: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
     """
-    Answers in each range of confidence, their mean confidence and share right, (3, ranges).
+    Return answers in each range of confidence, mean confidence and share right, shape (3, BINS).
 
-    Where there is none, both are zero.
+    Without answers in a range, both are zero.
     """
     at = np.minimum((said * BINS).astype(int), BINS - 1)
     count = np.bincount(at, minlength=BINS)
@@ -202,12 +203,11 @@ def calibration_error(said: NDArray[np.float64], right: NDArray[np.float64]) -> 
 
 def square_error(said: NDArray[np.float64], right: NDArray[np.float64]) -> float:
     """
-    Mean square distance of confidence and share right, without what chance adds to it.
+    Return the mean square distance of confidence and share right, without the part from chance.
 
-    The variance of each range's mean is taken off the square of its distance, so that the
-    expected value is the same for few and for many answers: zero for a confidence that holds,
-    and then as often below zero. Its root is at least the expected calibration error. Arguments
-    as of :func:`calibration_error`.
+    The variance of each range's mean is subtracted from its squared distance. The expected value
+    is then the same for few and for many answers, and zero for a confidence that holds. Its root
+    is at least the expected calibration error. Arguments as in :func:`calibration_error`.
 
     >>> rng = np.random.default_rng(0)
     >>> said = rng.uniform(0.5, 1.0, 2000)
@@ -232,7 +232,7 @@ def _one(task: Task) -> Told | None:
 
 
 def tasks(twins: int, impacts: int, first: int) -> list[Task]:
-    """Machines of both models from a number on, every fourth pair with impacts misled as well."""
+    """Return machines of both models from a number on; every fourth pair with impacts twice."""
     rigs = _numbers(impacts, first, impact_machines.draw)
     return [
         *(('twin', number, False) for number in _numbers(twins, first, twin_machines.draw)),
@@ -242,7 +242,7 @@ def tasks(twins: int, impacts: int, first: int) -> list[Task]:
 
 
 def _numbers(count: int, first: int, draw: Callable[[int], Machine]) -> list[int]:
-    """Numbers of machines from a number on, as many sound as damaged ones by turns."""
+    """Return numbers of machines from ``first`` on, sound and damaged ones in turn."""
 
     def of(*, sound: bool) -> Iterator[int]:
         return (n for n in itertools.count(first) if (draw(n).condition == 'none') == sound)
@@ -252,7 +252,7 @@ def _numbers(count: int, first: int, draw: Callable[[int], Machine]) -> list[int
 
 
 def _answers(path: Path, wanted: Sequence[Task], jobs: int) -> list[Told]:
-    """Answers on machines; those that are not in a file yet are added to it."""
+    """Return the answers on machines; those that are not in the file yet are added to it."""
     known = {tuple(task): told for task, told in read_lines(path)}
     left = [task for task in wanted if task not in known]
     with ProcessPoolExecutor(jobs) as pool, path.open('a', encoding='utf-8') as out:
@@ -265,10 +265,10 @@ def _answers(path: Path, wanted: Sequence[Task], jobs: int) -> list[Told]:
 
 def _errors(said: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[str, str, str]:
     """
-    Calibration error, that of a confidence that holds, and the error without chance.
+    Return the calibration error, that of a confidence that holds, and the error without chance.
 
-    The second draws the answers again, right as often as they say. The third is the root of the
-    mean square without chance, with its 90 % interval (bootstrap of the machines).
+    For the second, answers are drawn that are right as often as their confidence. The third is the
+    root of `square_error`, with its 90 % interval (bootstrap of the machines).
     """
     rng = np.random.default_rng(0)
     chance = [
@@ -278,7 +278,7 @@ def _errors(said: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[str,
     picks = rng.integers(0, len(said), (_AGAIN, len(said)))
     again = np.array([square_error(said[pick], right[pick]) for pick in picks])
     found = square_error(said, right)
-    # What is drawn again from a sample is off by the sample's own chance.
+    # The mean of the bootstrap is biased by the chance of the sample itself.
     ends = found - np.quantile(again - again.mean(), (0.95, 0.05))
     root, low, high = np.sqrt(np.maximum((found, *ends), 0.0))
     return (
@@ -289,8 +289,8 @@ def _errors(said: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[str,
 
 
 def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]) -> None:
-    """Draw the share of right answers over the confidence, a panel for each kind of answer."""
-    # The backend without a window: this runs on servers.
+    """Draw the share of right answers over the confidence, one panel for each kind of answer."""
+    # A backend without a window: this runs on servers.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -342,7 +342,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     fresh = _answers(args.output, tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
     rows: list[Sequence[object]] = []
     groups = {kind: [t for t in fresh if t.kind == kind] for kind in KINDS}
-    # Such an answer is capped lower than its rule is.
+    # Answers with a lower cap than their rule.
     caps = {rule.name: rule.at_most for rule in RULES}
     groups['unlikely slip'] = [t for t in fresh if t.trust.at_most < caps[t.trust.rule]]
     for kind, told in (groups | {'all': fresh}).items():

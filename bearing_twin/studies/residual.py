@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How often a residual is a false alarm, and what it sees: :mod:`bearing_twin.calibration.residual`.
+False alarms and smallest detected changes of :mod:`bearing_twin.calibration.residual`.
 
-``python -m bearing_twin.studies.residual [MACHINES] [--seed N] [--data FOLDER]`` lets each of
-MACHINES simulated machines of each kind learn from healthy decisions and judges the 1000 after
-them, which are all new to it; then it looks for the smallest change that is seen in nine of ten
-machines. With the folder of the real recordings it also judges the first halves of FEMTO's longest
-runs, in which a rig warms up.
+``python -m bearing_twin.studies.residual [MACHINES] [--seed N] [--data FOLDER]`` simulates
+MACHINES machines of each kind. The residual of each learns healthy decisions and judges 1000 new
+ones. Then the study finds the smallest change that nine of ten machines show. With the folder of
+the real recordings it also judges the first halves of FEMTO's longest runs, in which a rig warms
+up.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ if TYPE_CHECKING:
 
 RATE, SECONDS, MACHINE_HZ = 12800.0, 4.0, 24.0
 LEARNT = (30, 100, 300, 1000, 10000)
-"""Healthy decisions; of the last, a day's are learnt."""
+"""Numbers of healthy decisions; of the last number, only a day's are learnt."""
 BANDS = 64
 JOINED = 20
-"""Snapshots of a decision: 2 s of vibration in three minutes."""
+"""Snapshots per decision: 2 s of vibration in three minutes."""
 WITHIN = (10, 60)
-"""Decisions within which a change is to be seen."""
+"""Decisions within which a change has to be an alarm."""
 TRIALS = 40
-"""Machines a change is tried on."""
+"""Number of machines on which a change is tried."""
 
 
 def _normal(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
@@ -64,17 +64,17 @@ def _long_tails(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
 
 
 def _noise_lines(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Levels of lines of noise: 5.6 dB, and far more under the mean than over it."""
+    """Levels of noise lines: scatter 5.6 dB, far wider below the mean than above it."""
     return np.asarray(10.0 * np.log10(rng.exponential(size=shape)))
 
 
 def _sway(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Half of the power of each band sways with load or speed, within half an hour."""
+    """Half of the variance of each band is from load or speed, which vary within half an hour."""
     return rng.standard_normal(shape) + with_memory(rng.standard_normal(shape), 30.0)
 
 
 def _bursts(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Scatter that is larger for ten minutes, and smaller again."""
+    """Bands whose scatter grows and shrinks within ten minutes."""
     size = np.exp(0.5 * with_memory(rng.standard_normal((shape[0], 1)), 10.0))
     return np.asarray(size * rng.standard_normal(shape))
 
@@ -106,10 +106,10 @@ def _shifts(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
 
 def _slow(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
     """
-    Change a floor and a resonance within hours, under a scatter of 1 dB.
+    Levels of a floor and a resonance that change within hours, with a scatter of 1 dB.
 
-    The floor changes by 0.7 dB, the resonance, ten times the floor and of quality 20, by 1 % of
-    its frequency, as with the temperature of oil and housing.
+    The floor changes by 0.7 dB. The resonance, ten times the floor and with a quality factor of
+    20, changes by 1 % of its frequency, as with the temperature of oil and housing.
     """
     count, bands = shape
     slow = with_memory(rng.standard_normal((count + 720, 2)), 240.0)[720:]
@@ -151,7 +151,7 @@ def false_alarms(kind: str, learnt: int, machines: int, *, seed: int) -> NDArray
 
 
 def _healthy(rng: Generator, lines: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
-    """Acceleration of a machine: noise through its housing, and lines of orders and heights."""
+    """Acceleration of a machine: noise through its housing, and ``lines`` (order, height)."""
     time = np.arange(round(SECONDS * RATE)) / RATE
     x = lfilter([1.0], [1.0, -1.2, 0.9], rng.standard_normal(len(time)))
     for order, height in lines:
@@ -168,7 +168,7 @@ OTHER = (3.517, 11.3)
 
 
 def levels_of(change: str, size: float, rng: Generator) -> NDArray[np.float64]:
-    """Return the levels of a machine with a change of a size in dB."""
+    """Return the levels of a machine with a ``change`` of ``size`` dB."""
     height = 10.0 ** (size / 20.0)
     lines = [(1.0, IMBALANCE * (height if change == 'imbalance' else 1.0)), *OWN]
     if change in ADDED:
@@ -178,14 +178,14 @@ def levels_of(change: str, size: float, rng: Generator) -> NDArray[np.float64]:
 
 
 ADDED = {'looseness': LOOSE, 'another machine': OTHER}
-"""Orders of the lines that come; their size is their height over the healthy order 1."""
+"""Orders of the lines that a change adds; its size is their height over the healthy order 1."""
 SIZES = {
     'imbalance': (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 14, 20),
     'looseness': (-24, -20, -16, -12, -10, -8, -6, -4, -2, 0, 4, 8, 14),
     'another machine': (-24, -20, -16, -12, -10, -8, -6, -4, -2, 0, 4, 8, 14),
     'gain': (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 14, 20),
 }
-"""dB, from the smallest on."""
+"""Sizes of the changes, dB, ascending."""
 
 
 @functools.cache
@@ -198,9 +198,10 @@ def decisions_until(
     change: str, size: float, learnt: int, *, drift: float = 0.0, trials: int = TRIALS
 ) -> list[tuple[float, str]]:
     """
-    Decisions until a change is an alarm, inf if none of 60 is, and where it shows; by machine.
+    Return for each machine the decisions until a change is an alarm, and its band.
 
-    With a ``drift``, dB a decision, the gain moves for up to 1000 decisions.
+    Without an alarm in 60 decisions it is inf. With a ``drift``, dB per decision, the gain changes
+    over up to 1000 decisions.
     """
     rng = np.random.default_rng(learnt)
     names = spectral_levels(_healthy(rng, OWN), RATE, MACHINE_HZ)[0]
@@ -239,10 +240,10 @@ def smallest(change: str, learnt: int) -> str:
 
 def real_runs(data: Path) -> Iterator[tuple[object, ...]]:
     """
-    Run, decisions learnt from and judged, alarms, and the largest number, of first halves.
+    Yield run, decisions learnt and judged, alarms, and largest number of the first half of runs.
 
-    Twenty snapshots of 0.1 s, 10 s apart, are one decision. The twin at one speed is a constant.
-    Runs too short for a limit are left out.
+    Twenty snapshots of 0.1 s, 10 s apart, are one decision. The spectrum of the twin is left out,
+    because it is constant at one speed. Runs too short for a limit are left out.
     """
     for path in sorted((data / 'femto').glob('femto_*_[HV].npz')):
         trend = path.with_name(f'{path.stem[:-1]}trend.npz')
@@ -285,10 +286,10 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 def rates(machines: int, seed: int) -> Iterator[tuple[object, ...]]:
     """
-    Alarms of healthy machines. A fifth of them learns from each number in `LEARNT`.
+    Yield the alarms of healthy machines; a fifth of them learns each number in `LEARNT`.
 
-    An alarm is one until it ends. The rate of alarms that begin, a year, is at most that of
-    Clopper and Pearson's limit on one side (95 %).
+    Successive decisions in alarm count as one alarm. The rate per year is the one-sided limit of
+    Clopper and Pearson (95 %).
     """
     each = {
         kind: np.concatenate([
@@ -308,7 +309,7 @@ def rates(machines: int, seed: int) -> Iterator[tuple[object, ...]]:
 
 
 def powers() -> Iterator[tuple[object, ...]]:
-    """Smallest changes seen within 10 and within 60 decisions, by healthy decisions learnt."""
+    """Yield the smallest changes found in 10 and in 60 decisions, by healthy decisions learnt."""
     for learnt in LEARNT:
         drifts = [n for n, _ in decisions_until('', 0.0, learnt, drift=-0.02)]
         yield (

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-How often a rise is found in a healthy machine, and how soon in one that gets louder.
+False alarms of the detection of a rise in level, and its delay in a machine that gets louder.
 
-``python -m bearing_twin.studies.rise [MACHINES]`` simulates a year of levels, one a minute, that
-wander (an autoregressive process) over the median of their first hour, and prints how often
-:class:`bearing_twin.diagnosis.machine.onset.Rise` finds a rise, and after how long one that is
-there.
+``python -m bearing_twin.studies.rise [MACHINES]`` simulates a year of levels over the median of
+their first hour, one per minute, as an autoregressive process. It prints how often
+:class:`bearing_twin.diagnosis.machine.onset.Rise` finds a rise in them, and how long it takes to
+find a real one.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ def _levels(rng: np.random.Generator, count: int, wander: float, memory: float) 
 
 
 def largest_sum(rng: np.random.Generator, wander: float, memory: float) -> float:
-    """Largest sum of a healthy year, dB; Rise finds one from DECISION_DB on."""
+    """Return the largest sum of a healthy year, dB; from DECISION_DB on, Rise finds a rise."""
     levels = _levels(rng, YEAR + BASELINE, wander, memory)
     over = levels[BASELINE:] - np.median(levels[:BASELINE])
-    # As Rise adds up, for a whole year at once: the distance to the lowest plain sum so far.
+    # The sum of Rise, for a whole year at once: the distance to the lowest plain sum so far.
     sums = np.cumsum(over - REFERENCE_DB)
     return float((sums - np.minimum.accumulate(np.minimum(sums, 0.0))).max())
 
 
 def minutes_until(rng: np.random.Generator, height: float) -> int:
-    """Minutes until a step of ``height`` dB is found in a level that wanders by 0.8 dB; -1: no."""
+    """Return the minutes until a step of ``height`` dB is found, -1 if not; scatter 0.8 dB."""
     levels = _levels(rng, BASELINE + 1440, 0.8, 10.0)
     rise = Rise()
     floor = float(np.median(levels[:BASELINE]))

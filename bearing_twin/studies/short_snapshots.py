@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Series of short snapshots of machines that are damaged from the first one on, and of sound ones.
+Series of short snapshots of sound machines, and of machines damaged from the first one on.
 
-``python -m bearing_twin.studies.short_snapshots [RECORDS [FIRST]]`` cuts each of RECORDS (400)
-machines of impacts, from number FIRST (0) on, into as many snapshots as the averaged envelope of a
-series takes, of some turns each. It prints for each condition how many averages show a significant
-comb, how many are *suspect*, and how many of both name the damaged place.
+``python -m bearing_twin.studies.short_snapshots [RECORDS [FIRST]]`` cuts the record of each of
+RECORDS (400) machines with impacts, from number FIRST (0) on, into as many snapshots as the
+averaged envelope of a series needs, of some turns each. It prints for each condition how many
+averages show significant harmonics, how many are *suspect*, and how many of both name the damaged
+part.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ if TYPE_CHECKING:
 
 
 LOWEST_RATE = 8000.0
-"""Of the machines that are drawn, Hz: below it a series has hardly a band."""
+"""Lowest sample rate of the machines, Hz: below it a series has hardly a band."""
 
 
 def averaged(number: int) -> tuple[str, Comb | None, Comb | None] | None:
     """
-    Condition of a machine, the fault that its average shows, and the one that makes it suspect.
+    Return condition of a machine, the fault that its average shows, and the suspected fault.
 
-    None where the sample rate is below :data:`LOWEST_RATE`. The same number is the same machine.
+    None if the sample rate is below :data:`LOWEST_RATE`. A number is always the same machine.
     """
     case = draw(number)
     if case.sample_rate < LOWEST_RATE:

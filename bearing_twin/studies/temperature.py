@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What temperature has to do with the level of a healthy bearing, and what correcting it gains.
+Effect of temperature on the level of a healthy bearing, and benefit of its correction.
 
 ``python -m bearing_twin.studies.temperature prior`` simulates healthy bearings in the physical
-mode and prints by how much their level moves: the prior of
+mode and prints the change of their level: the prior of
 :mod:`bearing_twin.diagnosis.machine.dependence`. ``coverage`` draws machines with that prior and
-prints how often the learnt 90 % interval holds the true slope. ``runs DATA`` prints false onsets
-and lead times of the FEMTO runs to failure in DATA without correction, with the prior alone,
-and with what each run has taught.
+prints how often the learnt 90 % interval contains the true slope. ``runs DATA`` prints false
+onsets and lead times of the FEMTO runs to failure in DATA without correction, with the prior
+alone, and with the dependence learnt from each run.
 """
 
 from __future__ import annotations
@@ -63,10 +63,10 @@ def simulated_slopes(
     loads: Sequence[float] = LOADS, clearances: Sequence[float] = CLEARANCES
 ) -> tuple[np.ndarray, np.ndarray]:
     """
-    Change of level with temperature, dB/K, and with speed, dB per doubling, of each twin.
+    Return change of level with temperature, dB/K, and with speed, dB per doubling, of each twin.
 
-    Their surfaces are perfect: the vibration of wavy ones changes by about 0.01 dB/K or less, so
-    this is the most that the physical mode makes of a healthy bearing.
+    Their surfaces are perfect. The vibration of wavy surfaces changes by about 0.01 dB/K or less,
+    so that these are the largest changes of a healthy bearing in the physical mode.
     """
     slopes, octaves = [], []
     for load, clearance in product(loads, clearances):
@@ -102,7 +102,7 @@ def print_prior() -> None:
 
 
 def print_coverage() -> None:
-    """Print how often the interval of a learnt slope holds the true one."""
+    """Print how often the interval of a learnt slope contains the true one."""
     rng = np.random.default_rng(0)
     print_table(
         ('temperature', 'memory, rows', 'interval holds', 'known', 'holds where known'),
@@ -132,18 +132,18 @@ def _coverage(rng: np.random.Generator, shape: str, memory: int) -> tuple[object
 
 
 class Onset(NamedTuple):
-    """What a run says under one correction."""
+    """Result of a run with one correction."""
 
     early: int
     """Alarms that begin in the first half of the life."""
     lead: float
-    """Hours from the alarm that stands at the end to the end; NaN if none does."""
+    """Hours from the start of the alarm that lasts to the end; NaN if none does."""
     correction: float
     """Largest correction, dB."""
 
 
 def run_table(data: Path, runs: Sequence[str] = ()) -> Iterator[tuple[object, ...]]:
-    """Yield a row per run and way to learn its baseline: onset without, with prior, learnt."""
+    """Yield a row per run and kind of baseline: onsets uncorrected, with prior, and learnt."""
     folder = data / 'femto'
     files = [path for path in sorted(folder.glob('femto_*.npz')) if 'trend' not in path.stem]
     if not files:
@@ -163,7 +163,7 @@ def run_table(data: Path, runs: Sequence[str] = ()) -> Iterator[tuple[object, ..
 
 
 def _settled(snapshots: list[Snapshot], law: Law | None) -> Onset:
-    """Judge as ``--series`` does: the baseline is of the settled machine."""
+    """Judge like ``--series``: the baseline is that of the settled machine."""
     monitor = SeriesMonitor(None, law=law)
     for snap in snapshots:
         signal = snap.signal
@@ -176,7 +176,7 @@ def _settled(snapshots: list[Snapshot], law: Law | None) -> Onset:
 
 
 def _at_once(snapshots: list[Snapshot], law: Law | None) -> Onset:
-    """Judge as a stream does: the baseline is what the first snapshots show, however cold."""
+    """Judge like a stream: the baseline is that of the first snapshots, however cold."""
     wanted = DiagnosisSettings().baseline_windows
     record, levels, conditions = HealthyRecord(), [], []
     over, alarms, largest = [], [], 0.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Machines drawn at random whose bearings are twins."""
+"""Random machines whose bearings are simulated by the twin."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 RATES = (12800.0, 20000.0, 25600.0, 51200.0)
 SETTLE_S = 0.5
 WORN, WORN_SHARE = 4, 0.2
-"""Defects of a bearing that is worn out, and share of the damaged ones that are."""
+"""Defects of a worn bearing, and share of worn bearings among the damaged ones."""
 
 
 BEARINGS = (
     '6203', '6205', '6307', '6307-catalogue', 'NICE', 'PRONOSTIA', 'UER204', 'ZA-2115',
 )  # fmt: skip
-"""Bearings drawn from: a fixed list, so that a number stays the same machine."""
+"""Bearings to draw from. The list is fixed, so that a number stays the same machine."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,7 @@ class Case:
     machine: str
     shaft_hz: float
     given_hz: float
-    """Speed handed to the diagnosis: the nameplate's, off by up to 2 %."""
+    """Speed given to the diagnosis, Hz: that of the nameplate, off by up to 2 %."""
     sample_rate: float
     turns: float
     load: float
@@ -48,7 +48,7 @@ class Case:
     noise: float
     """Sensor noise, m/s^2."""
     width: float
-    """Of the defect, m; of each of ``WORN`` where the bearing is worn out."""
+    """Width of the defect, m, or of each of the ``WORN`` defects of a worn bearing."""
     worn: bool
     """Whether there are several large defects at one place instead of one."""
     waviness: float
@@ -56,9 +56,9 @@ class Case:
     angle: float
     """Place of an outer race defect from the load direction, rad."""
     gain: float
-    """Units of the record a m/s^2; the diagnosis is not told."""
+    """Units of the record per m/s^2; unknown to the diagnosis."""
     disturbance: float
-    """RMS of what the machine adds over that of the bearing with its noise."""
+    """RMS of the machine's own vibration over that of the bearing with its noise."""
     seed: int
 
     @property
@@ -68,7 +68,7 @@ class Case:
 
 
 def draw(number: int) -> Case:
-    """Machine of a number; the same number is the same machine."""
+    """Draw a machine; a number is always the same machine."""
     rng = np.random.default_rng([2026, number])
     bearing = str(rng.choice(BEARINGS))
     geometry = find_bearing(bearing)
@@ -101,13 +101,13 @@ def draw(number: int) -> Case:
 
 
 def record(case: Case) -> np.ndarray[Any, Any]:
-    """Return the samples of a case, in no known unit."""
+    """Return the samples of a case, in an unknown unit."""
     options: dict[str, Any] = {'defect': case.condition}
     if case.condition in ('inner', 'outer', 'ball'):
         options |= {'width': case.width, 'depth': 50e-6}
     parameters = preset(
         'incipient',
-        # The twin moves one row of balls; what is tried here is the geometry.
+        # The twin simulates one row of balls; only the geometry is tried here.
         bearing=replace(find_bearing(case.bearing), element='ball', rows=1),
         load=case.load,
         slip=case.slip,
@@ -118,7 +118,7 @@ def record(case: Case) -> np.ndarray[Any, Any]:
     if case.condition in ('inner', 'outer', 'ball'):
         first = parameters.defects[0]
         away = case.angle * (case.condition == 'outer')
-        # Spread over the circumference without a common divisor of the balls.
+        # Spread over the circumference, at no multiple of the ball spacing.
         angles = (away + first.angle + 1.7 * k for k in range(WORN if case.worn else 1))
         spalls = tuple(replace(first, angle=math.remainder(a, 2.0 * math.pi)) for a in angles)
         parameters = replace(parameters, defects=spalls)
