@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Live diagnosis: blocks in, one diagnosis per update interval out, without clocks."""
+"""Diagnosis of a stream: takes blocks, gives one diagnosis per update interval, without clocks."""
 
 from __future__ import annotations
 
@@ -30,24 +30,23 @@ if TYPE_CHECKING:
 _VERSION = 10
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
-"""Share by which the time between updates may be rounded."""
+"""Largest relative rounding of the time between updates."""
 _FEWEST_POINTS, _LARGEST_STEP = 256, 512
-"""Fewest points of an envelope in an interval, those of a shaft of 5 Hz, and most samples from one
-to the next."""
+"""Least envelope points in an interval, those of a shaft of 5 Hz, and most samples per point."""
 PATIENCE = 3.0
-"""Update intervals, or cycles of a series, without a verdict from which the last one is old."""
+"""Update intervals, or cycles of a series, without a verdict after which one is overdue."""
 _STEADY = 1e-4
-"""Share by which the sample rate may move within a window: a line at 1 kHz then moves by less than
+"""Largest relative change of the sample rate within a window: a line at 1 kHz moves by less than
 its width in 8 s."""
 
 
 LOWEST_RATE, HIGHEST_RATE = 1.0, 1e9
-"""Sample rates of a stream, Hz: an update is at least a sample, and a window ends."""
+"""Range of sample rates of a stream, Hz: an update has at least one sample, and a window ends."""
 
 
 def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
     """
-    Return the samples of one axis.
+    Return the samples of one axis as an array, shape (n,).
 
     Raises
     ------
@@ -73,7 +72,7 @@ def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
 
 def same_rate(first: float, other: float) -> bool:
     """
-    Whether samples of both rates, in Hz, make up one window.
+    Return whether samples of both rates, Hz, can be in one window.
 
     >>> same_rate(25600.0, 25600.4), same_rate(25600.0, 25610.0), same_rate(math.nan, 25600.0)
     (True, False, False)
@@ -84,10 +83,10 @@ def same_rate(first: float, other: float) -> bool:
 
 def _divisible(wanted: int) -> int:
     """
-    Return a number of samples with many divisors near a wanted one; that one if none is near.
+    Return a number with many divisors near a wanted number of samples; that one if none is near.
 
-    Points of an envelope are a divisor of an interval apart. These are many where any number of
-    samples has a divisor at least half as large. In a prime number each sample is a point, which
+    The distance of envelope points is a divisor of the interval. There are enough divisors if each
+    is at most about twice the previous one. With a prime number each sample is a point, which
     takes fifty times as long.
 
     >>> _divisible(25600), _divisible(25601), _divisible(48828)
@@ -105,7 +104,7 @@ def _divisible(wanted: int) -> int:
 
 class Cut(NamedTuple):
     """
-    How a stream is cut: windows and the time between updates are whole numbers of stretches.
+    Division of a stream into stretches; windows and updates are whole numbers of stretches.
 
     >>> Cut.of(DiagnosisSettings(window=2.5), 25600.0)
     Cut(stretch=12800, window=5, update=2)
@@ -113,15 +112,15 @@ class Cut(NamedTuple):
     """
 
     stretch: int
-    """Samples."""
+    """Samples of a stretch."""
     window: int
-    """Stretches."""
+    """Stretches of a window."""
     update: int
-    """Stretches."""
+    """Stretches from one update to the next."""
 
     @classmethod
     def of(cls, settings: DiagnosisSettings, sample_rate: float) -> Cut:
-        """Return the cut into the longest stretches; a window may be rounded to them."""
+        """Return the division into the longest stretches; the window may be rounded to them."""
         return cls._of(settings.update_interval, settings.window, sample_rate)
 
     @classmethod
@@ -134,7 +133,7 @@ class Cut(NamedTuple):
             for parts in range(1, _MOST_PARTS + 1)
             if interval % parts == 0
         )
-        # One sample in a thousand is no matter.
+        # Differences of the window below one in a thousand do not matter.
         return min(cuts, key=lambda c: (round(abs(c.samples / wanted - 1.0), 3), c.update))
 
     @property
@@ -152,16 +151,16 @@ class StreamingDiagnoser:
     """
     Sliding-window diagnosis of one axis of one sensor.
 
-    The result depends on the pushed blocks alone, not on clocks: the same pushes give the same
-    diagnoses to the bit. An update falls due each ``settings.update_interval`` of samples. A gap
-    in ``first_sample``, an index that runs backwards (the source was restarted) or another sample
-    rate starts a new window; the next diagnosis says so in its reasons. A rate that moves by less
-    than 0.01 % is that of the window's first block. The ``level`` of the diagnoses is held: it
-    follows the verdicts only after ``settings.hold_updates`` equal ones.
+    The result depends on the pushed blocks alone, not on clocks: the same blocks give the same
+    diagnoses to the bit. An update is due after each ``settings.update_interval`` of samples. A
+    new window begins after a gap in ``first_sample``, after an index that runs backwards (a
+    restarted source), and at another sample rate; the next diagnosis gives the reason. Rates that
+    differ by less than 0.01 % count as the rate of the first block. The ``level`` of the diagnoses
+    is held: it changes only after ``settings.hold_updates`` equal verdicts.
 
-    Baseline and trend belong to the source that they were learnt from: sensor, bearing, unit and
-    sample rate. Windows of another source have a baseline of their own and say so; the first is
-    kept for when its source comes back.
+    Baseline and trend belong to one source: sensor, bearing, unit and sample rate. Windows of
+    another source have a separate baseline and say so. The first baseline is kept until its source
+    comes back.
 
     Parameters
     ----------
@@ -185,7 +184,7 @@ class StreamingDiagnoser:
         self._earlier: deque[tuple[int, OrderSpectra]] = deque()
         self._judged = self._run = 0
         self.other_source = ''
-        """Why the last window is not of the source of baseline and trend; '' if it is."""
+        """Why the last window is of another source than baseline and trend; '' if it is not."""
         self._trend, self._guest = Trend(), Trend()
         self._note, self._restarts, self._waited = '', 0, 0.0
         self._rate = math.nan
@@ -204,7 +203,7 @@ class StreamingDiagnoser:
     def reconfigure(
         self, bearing: Bearing | None = None, settings: DiagnosisSettings | None = None
     ) -> None:
-        """Change geometry or settings; the window starts anew, the baseline stays."""
+        """Change geometry or settings; the window starts anew, the baseline remains."""
         self._bearing = bearing or self._bearing
         self._settings = settings or self._settings
         self._restart(self._next, 'window restarted: bearing or settings were changed')
@@ -213,10 +212,10 @@ class StreamingDiagnoser:
         self, first_sample: int, x: ArrayLike, sample_rate: float, shaft_hz: float, **known: Any
     ) -> list[Diagnosis]:
         """
-        Take a block and return the diagnoses that fall due within it, oldest first.
+        Take a block and return the diagnoses that are due within it, oldest first.
 
-        The same as :meth:`take`, which has the parameters, :meth:`Excerpt.analyse` and
-        :meth:`judge` after one another.
+        It calls :meth:`take`, which describes the parameters, :meth:`Excerpt.analyse` and
+        :meth:`judge`.
         """
         due = self.take(first_sample, x, sample_rate, shaft_hz, **known)
         return [self.judge(excerpt.analyse()) for excerpt in due]
@@ -234,16 +233,16 @@ class StreamingDiagnoser:
         sensor: str = '',
     ) -> list[Excerpt]:
         """
-        Take a block and return the windows that fall due within it, oldest first.
+        Take a block and return the windows that are due within it, oldest first.
 
-        They may be analysed in any order and thread while further blocks are taken, and are then
-        to be judged in their own order. A state is complete, and another bearing or setting may be
-        chosen, once all have been judged.
+        Windows may be analysed in any order and thread while further blocks are taken. They must
+        be judged in their own order. Save the state, and change bearing or settings, only when all
+        windows have been judged.
 
         Parameters
         ----------
         first_sample
-            Running index of the block's first sample.
+            Running index of the first sample of the block.
         x
             Samples, shape (n,).
         sample_rate
@@ -251,14 +250,14 @@ class StreamingDiagnoser:
         shaft_hz
             Shaft speed during the block, Hz; NaN if unknown.
         speed_measured
-            Whether that speed was measured along with the samples; the search around it is then
-            as narrow as ``measured_speed_tolerance``.
+            Whether the speed was measured with the samples; its tolerance is then
+            ``measured_speed_tolerance``.
         temperature
             Bearing temperature, degC; NaN if unknown.
         unit
             Unit of x.
         sensor
-            Whose samples they are, e.g. frame and axis.
+            Name of the sensor, e.g. frame and axis.
 
         Raises
         ------
@@ -297,19 +296,19 @@ class StreamingDiagnoser:
 
     @property
     def overdue(self) -> str:
-        """Why no window falls due although samples come; '' if one does."""
+        """Why no window is due although samples arrive; '' if none is overdue."""
         if self._waited <= PATIENCE * self._settings.update_interval:
             return ''
         return f'no verdict in {self._waited:.0f} s of vibration: {self._restarted}'
 
     @property
     def _restarted(self) -> str:
-        """The newest restart of the window since the last one fell due; '' if there was none."""
+        """Newest restart of the window since the last one was due; '' if there was none."""
         more = f' ({self._restarts} restarts since the last verdict)' if self._restarts > 1 else ''
         return f'{self._note}{more}'
 
     def judge(self, analysis: Analysis) -> Diagnosis:
-        """Judge an analysed window together with the windows and verdicts before it."""
+        """Return the diagnosis of a window together with earlier windows and verdicts."""
         excerpt = analysis.excerpt
         settings = excerpt.settings
         wanted = Cut.of(settings, excerpt.sample_rate).samples
@@ -345,7 +344,7 @@ class StreamingDiagnoser:
         )
 
     def save(self) -> bytes:
-        """State worth keeping over a restart: baseline, held level, windows that are averaged."""
+        """Return the state to keep over a restart: baseline, held level and averaged windows."""
         arrays = {}
         earlier = self._earlier if self._judged == self._run else ()
         for number, (_, orders) in enumerate(earlier):
@@ -364,15 +363,16 @@ class StreamingDiagnoser:
 
     def load(self, data: bytes) -> None:
         """
-        Take up a saved state.
+        Restore a saved state.
 
-        The window, which no state holds, starts anew; but if the samples before that state have
-        just been taken, they are its window, and updates fall due as they would have then.
+        A state does not contain the window, so the window starts anew. But if the samples before
+        the state have just been taken, they are the window, and updates are due as without a
+        restart.
 
         Raises
         ------
         BearingTwinError
-            If the bytes are not such a state; the present state is then unchanged.
+            If the bytes are no such state. The present state is unchanged then.
 
         """
         values, arrays = unpack(data, _VERSION)
@@ -403,16 +403,16 @@ class StreamingDiagnoser:
             self._cut_again(start)
         else:
             self._clear(following)
-            # Windows start anew here; those that were saved began earlier.
+            # Windows start anew here; the saved ones began earlier.
             self._began = start
         self._judged, self._earlier = self._run, earlier
         self._trend, self._guest = trend, guest
 
     def rests_on(self, first_sample: int) -> int:
         """
-        Index of the first sample on which a window from ``first_sample`` rests.
+        Return the index of the first sample that a window from ``first_sample`` depends on.
 
-        Its first segment laps over the stretch before, where the run has one.
+        Its first segment overlaps the previous stretch, if the run has one.
         """
         if not math.isfinite(self._rate):
             return first_sample
@@ -436,13 +436,13 @@ class StreamingDiagnoser:
         self._filled = 0
 
     def _hold(self, part: NDArray[np.float64], shaft_hz: float, cut: Cut) -> None:
-        """Take samples of one stretch."""
+        """Add samples to the present stretch."""
         self._parts.append((part, shaft_hz))
         self._next += len(part)
         self._filled += len(part)
         if self._filled < cut.stretch:
             return
-        # Parts of one speed are one part, whatever the blocks in which they came.
+        # Parts of one speed are joined, so that the division into blocks does not matter.
         speeds = [
             (hz, sum(len(x) for x, _ in parts))
             for hz, parts in itertools.groupby(self._parts, key=lambda part: part[1])
@@ -451,12 +451,12 @@ class StreamingDiagnoser:
         samples = np.concatenate([x for x, _ in self._parts])
         self._stretches.append(Stretch(samples, Turning(np.array(hertz), np.array(lengths))))
         self._parts, self._filled = [], 0
-        # Two more than a window: the one before it, and what another beginning would cut off.
+        # Two more than a window: the stretch before it, and one for another start in _cut_again.
         while len(self._stretches) > cut.window + 2:
             self._stretches.popleft()
 
     def _cut_again(self, start: int) -> None:
-        """Cut the samples that are held as if the run had begun at another one."""
+        """Divide the present samples again as if the run had begun at the sample ``start``."""
         held = [
             (part, float(hz))
             for stretch in self._stretches
@@ -502,11 +502,11 @@ class StreamingDiagnoser:
         )
 
     def _before(self, excerpt: Excerpt, wanted: int) -> list[OrderSpectra]:
-        """Windows to be averaged with an excerpt, oldest first; those too old are dropped."""
+        """Return the windows to average with an excerpt, oldest first; drop those too old."""
         oldest = excerpt.end - round(excerpt.settings.memory * excerpt.sample_rate)
         while self._earlier and self._earlier[0][0] - wanted < oldest:
             self._earlier.popleft()
-        # Only windows that do not overlap this one, nor one another, add evidence.
+        # Only windows that overlap neither this one nor each other add evidence.
         windows, limit = [], excerpt.first_sample
         for end, orders in reversed(self._earlier):
             if end <= limit:
