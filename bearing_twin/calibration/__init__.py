@@ -8,6 +8,9 @@ and ``situation`` describes its machine. ``whole`` is the autocorrelation of its
 lags, and ``measured`` summarises the lags of simulated defects. ``longest`` is the longest time
 between the impacts of one passage that is searched, s. ``unit`` is the unit of a record, '' if
 unknown, ``refusal`` the reason why a width is not told, and ``seed`` the seed of all draws.
+
+A *passage* is that of a ball over the defect, and the *spacing* is the time or the distance
+between its two impacts. A width is *told* if the record determines it.
 """
 
 from bearing_twin.calibration.answer.result import Calibration, Estimate

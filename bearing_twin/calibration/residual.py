@@ -4,8 +4,8 @@
 Residual: what the fitted twin does not explain of its machine, by band and order, as one number.
 
 The diagnosis finds bearing faults by their harmonics. Imbalance, looseness, another machine or a
-drifting sensor have none: they change the difference between the spectra of machine and twin from
-that of the healthy machine. A *decision* is one comparison of both, once a minute.
+drifting sensor have none of these: they change the difference between the spectra of machine and
+twin from its healthy value. A *decision* is one comparison of both, once a minute.
 """
 
 from __future__ import annotations
@@ -48,14 +48,14 @@ TAIL = 4.0
 """The probability of a decision beyond m times the highest healthy difference falls with m to this
 power. It falls faster for normal differences and for Student's t with six degrees of freedom."""
 MEMORY = 1.5
-"""Decisions this many memories apart count as independent: an exponential correlation has fallen
-to 0.05."""
+"""Decisions this many memories apart count as independent: see `_memory`. An exponential
+correlation has then fallen to 0.05."""
 SHORT = 100
 """Healthy decisions, times the root of the memory, that show a slow part of a difference which is
 as large as the random part. With fewer the limit is wider in proportion."""
 BEFORE, LATELY = 30, 10
-"""A step is the difference from the mean of the first number of decisions, which ended the second
-number of decisions ago."""
+"""A step is the difference from the mean of `BEFORE` decisions that ended `LATELY` decisions ago.
+"""
 HISTORY = 128
 """Most decisions that a run may span; a band that varies too slowly for this is not judged."""
 MOVED = 0.02

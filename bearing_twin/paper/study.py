@@ -43,9 +43,9 @@ class TrendPoint:
     """Results for one preset, factor and temperature."""
 
     time: FloatArray
-    """s, 0 to 0.7."""
+    """Time, 0 to 0.7 s, shape (n,)."""
     acceleration: npt.NDArray[np.float32]
-    """m/s^2."""
+    """Vertical acceleration of the housing, m/s^2, shape (n,)."""
     amplitude: float
     """Impact amplitude of the record from t = 0, m/s^2; see `impact_amplitude`."""
     by_start: FloatArray
@@ -104,7 +104,7 @@ class Study:
     trends: Mapping[tuple[str, str], tuple[TrendPoint, ...]]
     """By preset and factor, one point per temperature."""
     frequencies: Mapping[tuple[str, str, float], FrequencyPoint]
-    """By preset, slip model and temperature."""
+    """By preset, slip model and temperature, degC."""
     faults: Mapping[str, Mapping[str, float]]
     """By place of the defect: heights of the lines f_in, f_out, f_b, 2 f_b and f_c over the floor
     of the envelope spectrum."""

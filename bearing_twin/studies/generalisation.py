@@ -5,12 +5,12 @@ Results of the diagnosis on simulated machines for which it was not tuned.
 
 ``python -m bearing_twin.studies.generalisation [CASES] [twin|impacts] [FIRST]`` draws CASES random
 machines from number FIRST (0) on. Numbers that were never drawn before are an independent test.
-Machines of ``twin`` solve the equations of motion with random bearing, speed, sample rate, load,
-slip, place and size of the defect. Machines of ``impacts`` share nothing with the twin: they are
-trains of impacts with random slip, or noise modulated by them, through random resonances, with the
-geometries, sample rates and lengths of known rigs. Both have an unknown sensor gain, an inexact
-nameplate speed, and the vibration of other machinery. It prints tables of the answers by true
-condition and by machine.
+Machines of ``twin`` are simulated with the equations of motion; bearing, speed, sample rate, load,
+slip, place and size of the defect are random. Machines of ``impacts`` share nothing with the twin:
+they are trains of impacts with random slip, or noise modulated by them, through random resonances,
+with the geometries, sample rates and lengths of known rigs. Both have an unknown sensor gain, an
+inexact nameplate speed, and the vibration of other machinery. It prints tables of the answers by
+true condition and by machine.
 """
 
 from __future__ import annotations

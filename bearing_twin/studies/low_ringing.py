@@ -7,8 +7,8 @@ Outer races that ring at a few times their frequency, and sound ones: basis of `
 many damaged bearings, from number FIRST (0) on. All have the lines of variable compliance and half
 of them those of waviness, with random phases. Most machines also have a shaft, a gear, mains,
 shocks or modulated noise. The impacts of damaged bearings ring at 4 to 11 times their frequency.
-For the records that the other rules call healthy it counts how many reach each share of power:
-that of the lines of the outer race in the range of its low multiples.
+For the records that the other rules call healthy it prints how many reach each share: power in the
+lines of the outer race over the power in the range of its low multiples.
 """
 
 from __future__ import annotations

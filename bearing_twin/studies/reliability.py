@@ -232,7 +232,7 @@ def _one(task: Task) -> Told | None:
 
 
 def tasks(twins: int, impacts: int, first: int) -> list[Task]:
-    """Return machines of both models from a number on; every fourth pair with impacts twice."""
+    """Return machines of both models; every fourth pair with impacts is also misled."""
     rigs = _numbers(impacts, first, impact_machines.draw)
     return [
         *(('twin', number, False) for number in _numbers(twins, first, twin_machines.draw)),

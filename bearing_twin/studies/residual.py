@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 RATE, SECONDS, MACHINE_HZ = 12800.0, 4.0, 24.0
 LEARNT = (30, 100, 300, 1000, 10000)
-"""Numbers of healthy decisions; of the last number, only a day's are learnt."""
+"""Numbers of healthy decisions; of the largest one, only a day's decisions are learnt."""
 BANDS = 64
 JOINED = 20
 """Snapshots per decision: 2 s of vibration in three minutes."""
@@ -86,7 +86,7 @@ def _day(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
 
 
 def _drawn(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Scatter, memory, tails, swelling and day of a machine are drawn at random."""
+    """Bands with random scatter, memory, tails, bursts of scatter and daily change."""
     count, bands = shape
     each = rng.standard_t(rng.uniform(4.0, 30.0), shape)
     both = each + rng.uniform(0.0, 2.0) * rng.standard_normal((count, 1))

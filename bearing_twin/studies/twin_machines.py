@@ -50,9 +50,9 @@ class Case:
     width: float
     """Width of the defect, m, or of each of the ``WORN`` defects of a worn bearing."""
     worn: bool
-    """Whether there are several large defects at one place instead of one."""
+    """Whether the part has several large defects instead of one."""
     waviness: float
-    """See `bearing_twin.dynamics.equations.waviness`, m/s."""
+    """Waviness, m/s: see `bearing_twin.dynamics.equations.waviness`."""
     angle: float
     """Place of an outer race defect from the load direction, rad."""
     gain: float

@@ -190,8 +190,8 @@ def taken_off(situation: Situation, share: float) -> float:
     """
     Return by how much the impacts are closer than the slot is wide, m: a quantile of the prior.
 
-    ``share`` of the assumed loads and depths give less. The closed form is used because few of the
-    candidates are shallow slots under a high load.
+    A ``share`` of the assumed loads and depths gives at most this value. The closed form is used
+    because few of the candidates are shallow slots under a high load.
 
     Examples
     --------

@@ -31,9 +31,11 @@ FloatArray = npt.NDArray[np.float64]
 CONFIDENCES = 0.95, 0.9, 0.8, 0.7
 """Shares of the candidates with a wider defect that have to show; the first one reached counts."""
 _NEAR, _SHORT_OF = 8, 0.15
-"""Number of barely wider candidates, and how far their share may be below the confidence."""
+"""Number of candidates barely wider than the limit, and how far their share may be below the
+confidence."""
 LOUDER = 1.12
-"""RMS of a defect over that of a record that is too quiet to contain it, with 1 dB for chance."""
+"""RMS of a defect over that of the record from which the record cannot contain it, with 1 dB for
+chance."""
 LOSS_DB = 20.0
 """Largest loss assumed between the twin's housing, which is one rigid mass, and the sensor, dB:
 joints and distance take 10 dB and more each."""
@@ -285,7 +287,7 @@ class Shown(NamedTuple):
     width_mm: float
     """Width, mm; NaN if none would show."""
     confidence: float
-    """Share of the wider defects that show; if the width is NaN, of the widest eighth."""
+    """Share of the wider defects that show; if the width is NaN, that of the widest eighth."""
 
 
 def smallest_shown(

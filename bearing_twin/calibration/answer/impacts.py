@@ -28,24 +28,25 @@ if TYPE_CHECKING:
 
 
 SAME_TIME, OTHER_SPEED = 0.03, 1.08
-"""Impacts the same time apart, within this share, at speeds with this ratio are ringing."""
+"""Impacts are ringing if the time between them is the same, within this share, at two speeds of at
+least this ratio."""
 LOCATED = 0.5
-"""Largest error of the top of a peak for the time between two edges, over the half width of an
-impact. The impacts of entry and exit differ in shape, which moves the top of their correlation."""
+"""Uncertainty of the time between two edges, over the half width of an impact. The impacts of
+entry and exit differ in shape, which moves the peak of their correlation."""
 APART = 3.0
-"""Least logarithm of the ratio of two speeds to tell ringing from a passage, over the uncertainty
-of the spacings."""
+"""Least ratio of two speeds that distinguishes ringing from a passage: its logarithm over the
+uncertainty of the spacings."""
 
 
 _GEAR_LINES, _OVER_FLOOR, _OVER_BESIDE = 3, 100.0, 3.0
-"""Least number of harmonics that stand out as lines of the spectrum for a gear, and their least
+"""Lines of a gear in the spectrum, at harmonics of its tooth frequency: least number, and least
 power over the floor and over any line between two of them. Noise reaches 100 times the floor once
 in e^100 lines. A bearing has lines between the harmonics as well, and its balls pass at irregular
-intervals. Of 145 simulated pairs of impacts, with and without echoes, none has a single such line;
-of 30 beside a gear, each has three or more."""
+intervals. None of 145 simulated pairs of impacts, with and without echoes, has a single such line;
+each of 30 pairs beside a gear has three or more."""
 _ECHO = 1.5
-"""Largest error of the whitening echo of a gear for the period of a tooth, over the half width of
-an impact. The prediction of 1.2 ms places it up to 1.1 off if a gear has three lines."""
+"""Largest distance of the echo by whitening from the tooth period of a gear, over the half width
+of an impact. With the prediction of 1.2 ms it reaches 1.1 if the gear has three lines."""
 _MOST_HARMONICS, _PARTS = 8, 16
 
 
@@ -55,7 +56,7 @@ class Impacts(NamedTuple):
     place: str
     """Part with the defect."""
     shaft_hz: float
-    """Hz."""
+    """Shaft speed, Hz."""
     spacing_s: float
     """Time between them, s."""
     lobe_s: float
@@ -87,14 +88,14 @@ class Impacts(NamedTuple):
         return LOCATED * math.hypot(self.lobe_s / self.spacing_s, other.lobe_s / other.spacing_s)
 
     def told_apart(self, other: Impacts) -> bool:
-        """Whether the speeds of both records differ enough to tell ringing from a passage."""
+        """Whether the speeds differ enough to distinguish ringing from a passage."""
         faster = abs(math.log(self.shaft_hz / other.shaft_hz))
         return self.place == other.place and faster > APART * self.located(other)
 
 
 def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None:
     """
-    Return why the time between two impacts is the period of a gear's teeth; None if it is not.
+    Return a refusal if the time between two impacts is the tooth period of a gear, else None.
 
     The whitening of a gear's vibration leaves an echo of any other impact after the period of a
     tooth, which looks like a second impact. The spectrum itself shows the lines of the gear.
@@ -156,7 +157,7 @@ def _gear_lines(x: FloatArray, sample_rate: float, measured: Summary, parts: int
 
 def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> Impacts | None:
     """
-    Return the two impacts of a passage; None where they are not seen.
+    Return the two impacts of a passage; None if they are not seen.
 
     Rivals are searched up to twice the longest time of a passage, because the teeth of a gear
     repeat after twice the time too.
@@ -199,7 +200,7 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
 
 def ringing(seen: Impacts, others: Iterable[Impacts]) -> Refusal | None:
     """
-    Return why a spacing is ringing: the time is the same at another speed; None if it is not.
+    Return a refusal if the time between the impacts is the same at another speed, else None.
 
     Examples
     --------
@@ -229,8 +230,8 @@ def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ..
     """
     Return the records at other speeds that show the same passage; empty if it is not proved.
 
-    It is proved if the angle between the impacts is the same in most of the records whose speeds
-    tell ringing from a passage, and no record has a clear repetition at the time of another's
+    It is proved if the angle between the impacts is the same in most records at speeds that differ
+    enough (`Impacts.told_apart`), and no record has a clear repetition at the time of another's
     passage. If impacts repeat after twice the angle too, or after a second angle in both records,
     they are from a rotating part: a gear or a fan.
 

@@ -39,7 +39,7 @@ BETWEEN = 0.25
 """`healthy.between_impacts` from which the impacts are half as frequent. None of 73 slots that
 share nothing with the twin is above 0.04; impacts of half the frequency have 0.7 and more."""
 ALIKE = 2.0
-"""Largest distance of the kept candidates from the machine, over that from each other."""
+"""Largest distance of the kept candidates from the machine, over the distance among them."""
 NEXT_BALL = 1.1
 """Largest peak at the time from the exit of a ball to the entry of the next, over the peak at the
 time from its own entry to its exit. Of 96 twins with both impacts, one is above 1 (1.02), and one
@@ -61,7 +61,7 @@ class Kind(str, Enum):
     TOO_WIDE = 'too_wide'
     """The defect may be wider than any that is simulated."""
     ONE_IMPACT = 'one_impact'
-    """One impact a passage is heard: the defect is narrow, or its other edge is faint or far."""
+    """Each passage has one impact: the defect is narrow, or its other edge is faint or far."""
     HIDDEN = 'hidden'
     """The ringing of one impact hides a second."""
     SEVERAL_SPACINGS = 'several_spacings'
@@ -96,7 +96,7 @@ class Refusal(NamedTuple):
 
 def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     """
-    Return why a record shows no impacts of the named part; None if it does.
+    Return a refusal if a record shows no impacts of the named part, else None.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
 
 def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
     """
-    Return why impacts are not those of the named part: half as frequent; None if they are not.
+    Return a refusal if the impacts are half as frequent as those of the named part, else None.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
 
 def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Refusal | None:
     """
-    Return why a defect may be wider than any that is simulated; None if it is not.
+    Return a refusal if a defect may be wider than any that is simulated, else None.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     for share in (0.45, 0.9):
         # Beyond half way, exit and next entry also give a peak, but a less clear one.
         farther = whole.summary(share / situation.strikes)
-        # Over longer lags noise alone has peaks more often, but none that clear.
+        # Over longer lags noise alone has peaks more often, but none as clear as this.
         clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
         if clear and farther.spacing > situation.longest:
             apart = apart or farther.spacing
@@ -190,7 +190,7 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
 
 def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> Refusal | None:
     """
-    Return why a record shows no clear spacing of the impacts of a passage; None if it does.
+    Return a refusal if a record shows no clear spacing of the impacts of a passage, else None.
 
     Examples
     --------
@@ -232,13 +232,13 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
 
 def copied(x: FloatArray, situation: Situation, measured: Summary) -> Refusal | None:
     """
-    Return why two impacts are not entry and exit: one is a copy of the other; None if it is not.
+    Return a refusal if the second impact of a passage is a copy of the first, else None.
 
     A ball loses its load where it enters and regains it where it leaves, so that both impacts
     differ in sign, unless it rolls on the bottom. Two pits, or an impact and its echo, have the
     same sign.
 
-    The record has no mean, and ``measured`` has a second impact.
+    The record has zero mean, and ``measured`` has a second impact.
 
     Examples
     --------
@@ -310,7 +310,7 @@ def with_farther(
 
 def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | None:
     """
-    Return why the kept candidates tell no width; None if they do.
+    Return a refusal if the kept candidates determine no width, else None.
 
     ``fastest`` is the highest resonance frequency that the impacts excite, Hz; NaN if none.
 

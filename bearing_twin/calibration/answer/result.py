@@ -99,13 +99,13 @@ class Calibration:
     rms: float
     """RMS of the machine's vibration."""
     candidates: dict[str, NDArray[np.float64]] = field(repr=False)
-    """Each unknown of `cloud.unknowns`: one value per candidate, shape (n,)."""
+    """Values of each of `cloud.unknowns`, one per candidate, shape (n,)."""
     weights: NDArray[np.float64] = field(repr=False)
     """Weights of the candidates, sum 1, shape (n,)."""
     sensor_unit: str
     """Unit of the vibration; '' if unknown."""
     impacts: Impacts | None
-    """The two impacts of a passage of a ball; None where they are not seen."""
+    """The two impacts of a passage of a ball; None if they are not seen."""
     cost_s: float
     """Processor time of the fit without compilation, s."""
 
@@ -121,7 +121,7 @@ class Calibration:
 
     @property
     def twin_situation(self) -> Situation:
-        """Situation of the twin: without the defect where the record shows no impact of it."""
+        """Situation of the twin: without the defect if the record shows no impact of it."""
         unseen = self.refusal is not None and self.refusal.unseen
         return replace(self.situation, place='none') if unseen else self.situation
 

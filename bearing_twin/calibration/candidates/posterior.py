@@ -66,7 +66,7 @@ class Posterior:
     """Candidates that were kept, with their weights."""
 
     values: dict[str, FloatArray]
-    """Each unknown: one value per candidate, shape (kept,)."""
+    """Values of each unknown, one per candidate, shape (kept,)."""
     weights: FloatArray
     """Weights of the candidates, sum 1, shape (kept,)."""
     prior: dict[str, Unknown]
@@ -177,7 +177,7 @@ def sample(
     rows = features(summaries, situation)
     width = drawn[WIDTH]
     nearest = np.argsort(distances(rows, goal))[: max(20, int(KEPT * candidates))]
-    # The span of few kept candidates is about a tenth too short.
+    # With few kept candidates the span is about a tenth too short.
     low, high = width[nearest].min(), width[nearest].max()
     margin = 0.1 * (high - low) + 0.1
     low, high = max(prior[WIDTH].low, low - margin), min(prior[WIDTH].high, high + margin)
@@ -311,7 +311,7 @@ def keep(
     Parameters
     ----------
     values
-        Each unknown: one value per candidate, shape (n,).
+        Values of each unknown, one per candidate, shape (n,).
     rows, goal
         `features` of the candidates and of the measurement, shapes (n, 5) and (5,).
     prior

@@ -25,9 +25,9 @@ from scipy import fft
 FloatArray = npt.NDArray[np.float64]
 
 REACH_S = 5e-3
-"""Reach of the linear predictions: resolves resonances 200 Hz apart."""
+"""Reach of the linear predictions, s: it resolves resonances 200 Hz apart."""
 MODES_REACH_S = 2.5e-3
-"""Half the reach of the autocorrelation whose decays are read."""
+"""Half the reach of the autocorrelation that gives the resonances, s."""
 STUDENT = 1.895
 """95 % quantile of Student's t distribution with seven degrees of freedom."""
 _MOST_POLES = 24
@@ -115,12 +115,12 @@ def identify(
 
 def noise_floor(x: FloatArray, sample_rate: float) -> tuple[float, float, float]:
     """
-    5 %, median and 95 % of the density of the quietest twentieth of a spectrum, per root Hz.
+    Return 5 %, 50 % and 95 % of the noise floor, unit of the record per root Hz.
 
-    Each part of the record is measured in the bands that are quietest in the other parts: its own
-    quietest bands would be quiet by chance. The bias that remains is about twice as large in half
-    of the record as in all of it; the difference is subtracted. The interval is from a jackknife
-    over the parts.
+    It is the density in the quietest twentieth of the spectrum. Each part of the record is
+    measured in the bands that are quietest in the other parts: its own quietest bands would be
+    quiet by chance. The bias that remains is about twice as large in half of the record as in all
+    of it; the difference is subtracted. The interval is from a jackknife over the parts.
 
     Examples
     --------

@@ -51,10 +51,10 @@ ELSEWHERE = 1.25
 
 @dataclass(frozen=True, kw_only=True)
 class Correlation:
-    """Autocorrelation of the squared envelope of a whole record, whitened."""
+    """Autocorrelation of the squared envelope of a whole whitened record."""
 
     values: FloatArray
-    """1 at zero lag, circular, shape (n,)."""
+    """Autocorrelation, 1 at zero lag, circular, shape (n,)."""
     rate: float
     """Lags per second, Hz."""
     impulsiveness: float
@@ -107,9 +107,9 @@ class Summary:
     """Autocorrelation of the squared envelope of the whitened signal, and its peaks."""
 
     lag: FloatArray
-    """s, shape (n,)."""
+    """Lags, s, shape (n,)."""
     correlation: FloatArray
-    """1 at zero lag, shape (n,)."""
+    """Autocorrelation, 1 at zero lag, shape (n,)."""
     spacing: float
     """Lag of the clearest peak beside zero, s; NaN if none is significant."""
     prominence: float
@@ -173,7 +173,7 @@ def levinson(power: FloatArray, order: int) -> tuple[FloatArray, float]:
 
 def squared_envelope(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
     """
-    Squared envelope of a signal after whitening, and its sample rate, Hz.
+    Return the squared envelope of a signal after whitening, and its sample rate, Hz.
 
     Examples
     --------
@@ -208,11 +208,11 @@ def fastest_resonance(x: FloatArray, sample_rate: float, spacing: float) -> floa
     """
     Return the highest resonance frequency that the impacts of a signal excite, Hz; NaN if none.
 
-    The signal has no mean. The resonances are peaks in the spectrum of a linear prediction of the
-    jerk, in which the resonance of the rotor on its balls is weaker. The prediction is shorter
+    The signal has zero mean. The resonances are peaks in the spectrum of a linear prediction of
+    the jerk, in which the resonance of the rotor on its balls is weaker. The prediction is shorter
     than the time between two impacts, ``spacing``, s: otherwise the harmonics of the pair look
-    like resonances. Of 160 simulated pairs 0.3 to 2 ms apart, half of them beside a rotor that
-    rings below 1 kHz, 142 are found within a tenth and one is too high.
+    like resonances. For 160 simulated pairs 0.3 to 2 ms apart, half of them beside a rotor that
+    rings below 1 kHz, 142 frequencies are right within a tenth and one is too high.
 
     Examples
     --------
@@ -243,7 +243,7 @@ def likeness(x: FloatArray, sample_rate: float, measured: Summary) -> float:
     their squared envelope a^2 / (1 + a^4), the prominence p. The value for copies is therefore
     sqrt(p / (1 + 2 p)) for any a. Noise lowers it.
 
-    The samples have no mean, and ``measured`` has a second impact.
+    The samples have zero mean, and ``measured`` has a second impact.
 
     Examples
     --------
