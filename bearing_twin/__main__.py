@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m bearing_twin`` is ``bearing-twin``."""
+"""Run ``bearing-twin`` as ``python -m bearing_twin``."""
 
 import sys
 

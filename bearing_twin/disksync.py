@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Bring files to the disk in a thread of its own, so that nobody waits for it."""
+"""Synchronise files with the disk in a background thread, so that the caller does not wait."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 LONGEST = 10.0
-"""Longest time that anybody waits for an answer of the disk, s."""
+"""Longest time to wait for an answer of the disk, s."""
 SILENT = f'the disk has not answered for {LONGEST:g} s'
 
 T = TypeVar('T')
@@ -30,38 +30,38 @@ T = TypeVar('T')
 
 class DiskSync:
     """
-    Call fsync for files and their folders, and do what else waits for the disk, in turn.
+    Call fsync for files and their folders, and do other work on the disk, one after the other.
 
-    What the operating system has been given survives the death of the process, not that of the
-    power. fsync takes milliseconds to seconds, whatever else the disk is doing.
+    Data written to the operating system survives a crash of the process, but not a power loss.
+    fsync takes milliseconds to seconds, depending on the load of the disk.
     """
 
     def __init__(self) -> None:
         self.problem = ''
-        """Why the disk did not take what it was given; '' if it did. It stays."""
+        """Reason of the last failed fsync; '' if none failed. It is never cleared."""
         self.longest = 0.0
-        """Longest time that it took, s."""
+        """Longest time that one request took, s."""
         self._jobs: deque[Callable[[], None]] = deque()
         self._began = 0.0
-        # A thread ends with its last job.
+        # The thread ends when no job is left; the next request starts a new one.
         self._lock = threading.Lock()
 
     @property
     def busy(self) -> bool:
-        """Whether a request is not yet done."""
+        """Whether a request is still waiting or running."""
         return bool(self._jobs)
 
     @property
     def patience(self) -> float:
-        """Time for which it is still waited for, s; 0 where it has not answered for too long."""
+        """Time left to wait for the disk, s; 0 if it has not answered for ``LONGEST``."""
         return max(0.0, self._began + LONGEST - time.monotonic()) if self.busy else LONGEST
 
     def request(self, fd: int, folder: Path) -> None:
-        """Have an open file brought to the disk; the caller may close it meanwhile."""
+        """Request the fsync of an open file; the caller may close it meanwhile."""
         self.do(functools.partial(self._sync, os.dup(fd), folder))
 
     def do(self, work: Callable[[], T]) -> Job[T]:
-        """Have ``work`` done."""
+        """Queue ``work`` for the background thread; return a future of its result."""
         job = Job[T](self)
         with self._lock:
             self._jobs.append(functools.partial(job.do, work))
@@ -71,7 +71,7 @@ class DiskSync:
         return job
 
     def settle(self) -> bool:
-        """Wait until all is done, as long as the disk answers; return whether it is."""
+        """Wait until all requests are done; return False if the disk does not answer."""
         try:
             self.do(int).wait()
         except BearingTwinError:
@@ -96,30 +96,30 @@ class DiskSync:
             self.problem = f'{folder}: {error.strerror}'
         finally:
             os.close(fd)
-        # The name of a new file is content of its folder.
+        # The name of a new file is stored in its folder.
         sync_folder(folder)
 
 
 class Job(futures.Future[T]):
-    """What somebody may wait for, or await, as long as the disk answers."""
+    """Future of one request: wait for it or await it, as long as the disk answers."""
 
     def __init__(self, disk: DiskSync) -> None:
         super().__init__()
         self._disk = disk
 
     def do(self, work: Callable[[], T]) -> None:
-        """Do it; what ``work`` raises is raised for who waits."""
+        """Run ``work``; an exception that it raises is raised again where the job is awaited."""
         try:
             self.set_result(work())
         except Exception as error:
             if not isinstance(error, BearingTwinError):
-                # Perhaps nobody waits: a defect of ours must be seen.
+                # A programming error must be visible, even if nobody waits for the job.
                 sys.excepthook(type(error), error, error.__traceback__)
             self.set_exception(error)
 
     def wait(self) -> T:
         """
-        Return what the work returned.
+        Return the result of the work.
 
         Raises
         ------
@@ -132,7 +132,7 @@ class Job(futures.Future[T]):
         return self._outcome()
 
     def __await__(self) -> Generator[None, None, T]:
-        """Let others work meanwhile; else as :meth:`wait`."""
+        """Wait as :meth:`wait` does, and let other coroutines run meanwhile."""
         while not self.done() and self._disk.patience:
             yield
         return self._outcome()

@@ -1,25 +1,25 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The package's error class, and how a text from outside is shown."""
+"""The error class of the package, and the escaping of texts from outside."""
 
 from __future__ import annotations
 
 
 class BearingTwinError(Exception):
-    """Input that cannot be used: the text names the value, the limit and the remedy."""
+    """Input cannot be used; the text names the value, the limit and the remedy."""
 
 
 def shown(text: object, keep: str = '') -> str:
     r"""
-    Return a text from outside with what a terminal would obey written as an escape.
+    Return a text from outside with its control characters escaped for a terminal.
 
     Parameters
     ----------
     text
-        Names and messages out of a file: they may hold colours, cursor movements, titles, and
-        marks that turn the direction of the text.
+        Name or message from a file. It may hold sequences that set colours, the cursor or the
+        window title, and marks that reverse the direction of the text.
     keep
-        Characters that are left as they are, such as the newlines of an error.
+        Characters that are not escaped, such as the newlines of an error.
 
     Examples
     --------

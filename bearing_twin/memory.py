@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Memory that a program has freed stays with it: fetching it anew costs more than computing."""
+"""Keep freed memory in the process: requesting it again takes longer than the computations."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ LARGEST = 32 * 1024 * 1024
 
 def keep_freed_memory() -> bool:
     """
-    Let the C library keep freed blocks of up to 32 MiB for the next that is asked for.
+    Let the C library keep freed blocks of up to 32 MiB for the next allocation.
 
-    By default glibc gives arrays of megabytes back to the system as soon as they are freed, and
-    each page of the next one is a fault: a third of the time of a diagnosis. The process stays
-    as large as it once was, as it should under ``mlockall``. It is the choice of a program, not of
-    a library: nodes and commands make it when they begin.
+    By default glibc returns arrays of megabytes to the system as soon as they are freed, and each
+    page of the next array causes a page fault. That takes a third of the time of a diagnosis. With
+    this setting the process never shrinks, as is required under ``mlockall``. Programs decide
+    this, not libraries: nodes and commands call it when they start.
 
     Returns
     -------
     bool
-        Whether the C library has taken it; others than glibc know no such choice.
+        Whether the C library has accepted the setting; only glibc has it.
 
     """
     try:

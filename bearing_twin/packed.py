@@ -22,7 +22,7 @@ _DTYPES = ('float32', 'float64', 'int64', 'uint8')
 
 def pack(version: int, values: dict[str, Any], arrays: dict[str, np.ndarray[Any, Any]]) -> bytes:
     """
-    Bytes of JSON-able ``values`` and numeric ``arrays``; :func:`unpack` reverses it.
+    Return JSON-able ``values`` and numeric ``arrays`` as bytes; :func:`unpack` reads them.
 
     >>> values, arrays = unpack(pack(2, {'count': 3}, {'x': np.zeros(2)}), 2)
     >>> values, arrays['x'].tolist()
@@ -37,12 +37,12 @@ def pack(version: int, values: dict[str, Any], arrays: dict[str, np.ndarray[Any,
 
 def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
     """
-    Read what :func:`pack` wrote.
+    Return the values and arrays that :func:`pack` wrote.
 
     Raises
     ------
     BearingTwinError
-        If the bytes are not a state, are damaged, or are of another version.
+        If the bytes are not a saved state, are damaged, or have another version.
 
     >>> unpack(pack(2, {'count': 3}, {}), 2)
     ({'count': 3}, {})
@@ -78,20 +78,20 @@ def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndar
 
 def restored(kind: Any, value: Any) -> Any:
     """
-    Value of a type, from the plain values that `dataclasses.asdict` made of it.
+    Return a value of type ``kind`` from the plain values that `dataclasses.asdict` made.
 
     Parameters
     ----------
     kind
-        A dataclass, or a list, dict or optional of such, of numbers or of text. A dataclass checks
-        ranges itself, in its ``__post_init__``.
+        A dataclass, bool, int, float or str; or a list, dict or optional of these. A dataclass
+        checks ranges itself, in its ``__post_init__``.
     value
-        What was saved.
+        The saved value.
 
     Raises
     ------
     BearingTwinError
-        If it is no such value.
+        If the value is not of this type.
 
     >>> restored(dict[str, list[float]], {'x': [1]})
     {'x': [1.0]}

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-One declaration of a quantity: unit, range, choices and text stand beside the field.
+Declare a quantity once, beside its field: unit, range, choices and description.
 
 A dataclass declares its fields with :func:`quantity` and checks them with :func:`check_fields`.
 Node parameters, offline runs, fleet files and the tables of the documentation read the same
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 LONGEST_TEXT = 4096
-"""Longest text that a value may be, characters: the longest path on Linux."""
+"""Longest text that is accepted as a value, characters: the longest path on Linux."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """What a value means and which values it may have."""
+    """Meaning, unit and permitted values of a quantity."""
 
     description: str
     unit: str = ''
@@ -36,9 +36,9 @@ class Quantity:
     high: float | None = None
     choices: tuple[str, ...] = ()
     special: tuple[Any, str] | None = None
-    """A value that need not lie in the range, and its meaning: ``(0.0, 'none')``."""
+    """A value that is valid outside the range, and its meaning: ``(0.0, 'none')``."""
     running: bool = True
-    """Whether it can be changed while a node is active; else in state 'unconfigured' only."""
+    """Whether it can be changed while a node is active, or only in state 'unconfigured'."""
 
     @property
     def special_text(self) -> str:
@@ -50,7 +50,7 @@ class Quantity:
 
     def check(self, name: str, value: Any) -> None:
         """
-        Refuse a value that is not finite, outside the range, none of the choices or too long.
+        Refuse a value that is not finite, out of range, not one of the choices, or too long.
 
         Raises
         ------
@@ -89,7 +89,7 @@ def check_range(
 
 
 def check_whole(name: str, value: int) -> None:
-    """Refuse a ``value`` that is no whole number: it would lose its fraction on the way."""
+    """Refuse a ``value`` that is not an integer: a conversion would drop its fraction."""
     if not isinstance(value, Integral):
         msg = f'{name}={value!r} is not a whole number; give one without a decimal point'
         raise BearingTwinError(msg)
@@ -104,9 +104,9 @@ def quantity(
     **more: Any,
 ) -> Any:
     """
-    Return a dataclass field with a default, or a required one where that is ``...``.
+    Return a dataclass field; it is required if ``default`` is ``...``.
 
-    ``more`` are further fields of :class:`Quantity`.
+    ``more`` holds further fields of :class:`Quantity`.
     """
     about = Quantity(description=description, unit=unit, low=low, high=high, **more)
     return field(default=MISSING if default is ... else default, metadata={'quantity': about})
@@ -114,7 +114,7 @@ def quantity(
 
 @functools.cache
 def quantities(owner: Any) -> Mapping[str, tuple[Any, Quantity]]:
-    """Return default and declaration of the fields of a dataclass that are quantities, by name."""
+    """Return default and declaration of each quantity of a dataclass, by field name."""
     return MappingProxyType(
         {
             f.name: (f.default, f.metadata['quantity'])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Times: ROS stamps, seconds, numbers of samples, the unit of a span. Imports nothing of ROS."""
+"""Convert times: ROS stamps, seconds, numbers of samples, display units. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ NANO = 1_000_000_000
 """Nanoseconds in a second."""
 
 LATEST = 2**31 * NANO - 1
-"""Latest time that ``builtin_interfaces/Time`` carries, ns: in the year 2038."""
+"""Latest time that ``builtin_interfaces/Time`` can hold, ns: in the year 2038."""
 
 
 def stamp_ns(stamp: Any) -> int:
     """
     Return the time of a stamp, ns.
 
-    Any object with the fields of ``builtin_interfaces/Time`` has one.
+    ``stamp`` is any object with the fields of ``builtin_interfaces/Time``.
 
     Examples
     --------
@@ -31,7 +31,7 @@ def stamp_ns(stamp: Any) -> int:
 
 def split_ns(ns: int) -> tuple[int, int]:
     """
-    Return the fields ``sec`` and ``nanosec`` of a time, clamped to what a stamp carries.
+    Return the fields ``sec`` and ``nanosec`` of a time in ns, clamped to the range of a stamp.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def split_ns(ns: int) -> tuple[int, int]:
 
 def time_unit(seconds: float) -> tuple[str, float]:
     """
-    Return the unit in which a length of time is told, and its length in s.
+    Return the unit in which to show a duration, and the length of this unit in s.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def time_unit(seconds: float) -> tuple[str, float]:
 
 def samples_ns(count: int, rate: float) -> int:
     """
-    Return the duration of ``count`` samples at ``rate`` Hz, ns; no error accumulates in it.
+    Return the duration of ``count`` samples at ``rate`` Hz, ns, rounded once.
 
     Examples
     --------

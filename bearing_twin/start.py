@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where the command and the nodes start: Ctrl-C ends them without a traceback while they still load.
+Entry points of the command and the nodes. Ctrl-C while they load ends them without a traceback.
 
-Their libraries take a second or more to load. Until a command or a node begins to work there is
-nothing to lose, so that an interrupt ends the process at once.
+The libraries take a second or more to load. Before a command or a node begins its work there is
+nothing to save, so an interrupt ends the process at once.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ __all__ = ['adapter', 'calibration', 'command', 'diagnosis', 'fleet', 'recorder'
 
 
 def command() -> int:
-    """Run ``bearing-twin``; an interrupt makes the status 130, that of a node 0 as ever."""
-    # Pools and what watches them are spawned by the library, and would look for modules in the
-    # working directory first. Python 3.10 does not know this.
+    """Run ``bearing-twin``; return 130 after an interrupt, or 0 if a node was interrupted."""
+    # Process pools and their resource tracker are started by the standard library. Without this
+    # they would look for modules in the working directory first. Python 3.10 ignores it.
     os.environ.setdefault('PYTHONSAFEPATH', '1')
     status = 0 if sys.argv[1:2] == ['run'] else 130
     former = signal.getsignal(signal.SIGINT)
-    # Ctrl-C is not for a command that a script has put into the background; rclpy's nodes hear it.
+    # A command in the background of a script ignores Ctrl-C; nodes of rclpy always react to it.
     if status == 0 or former is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, lambda *_: os._exit(status))
-    # The scripts of 'ros2 run' have it held while the interpreter starts.
+    # The start scripts for 'ros2 run' block the signal while the interpreter starts.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     from bearing_twin.cli import main
 
@@ -35,7 +35,7 @@ def command() -> int:
 
 
 def _node(name: str) -> int:
-    """Run a node: what ``bearing-twin run NAME`` does, for ``ros2 run`` and ``ros2 launch``."""
+    """Run a node as ``bearing-twin run NAME`` does, for ``ros2 run`` and ``ros2 launch``."""
     sys.argv[1:1] = ['run', name]
     return command()
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-One thread for the linear algebra libraries: import before NumPy.
+Limit the linear algebra libraries to one thread. Import this module before NumPy.
 
-A node is one thread's work. The libraries' threads would spin between two verdicts, which doubles
-the CPU time, and the order in which they add up changes last bits.
+A node needs one thread. Threads of the libraries would spin between two verdicts, which doubles
+the CPU time, and their order of summation would change the last bits of results.
 """
 
 import os

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Files that are there as a whole or not at all, and never in the place of another."""
+"""Write files atomically: a file is complete or absent; and find names that are free."""
 
 from __future__ import annotations
 
@@ -20,24 +20,25 @@ if TYPE_CHECKING:
 @contextlib.contextmanager
 def whole_file(path: Path, *, new: bool = False) -> Iterator[BinaryIO]:
     """
-    Open a file to be written beside ``path``, which takes its place when all is written.
+    Open a temporary file beside ``path``; rename it to ``path`` when all is written.
 
-    A full disk, or an error in between, leaves what was at ``path`` before, and nothing else. A
-    link is replaced, not followed. With ``new`` nothing is replaced; where the file system has no
-    hard links, a crash between taking the name and renaming leaves an empty file.
+    After a full disk or another error, ``path`` is unchanged and no temporary file is left. A link
+    is replaced, not followed. With ``new`` nothing is replaced; if the file system has no hard
+    links, a crash between taking the name and renaming leaves an empty file.
 
-    The content is on the disk before it gets its name, and the name when this returns: power loss
-    too leaves the old file or the new one. That takes two fsync, milliseconds to seconds.
+    The content is synchronised with the disk before the renaming, and the name before this
+    returns. So a power loss, too, leaves either the old file or the new one. The two fsync calls
+    take milliseconds to seconds.
 
     Raises
     ------
     FileExistsError
-        If there is something at ``path``, and it shall be ``new``.
+        If ``path`` exists and ``new`` is set.
     OSError
-        If it cannot be written.
+        If the file cannot be written.
 
     """
-    # A name of its own: two processes that write one path must not write one part.
+    # A random name: two processes that write the same path must not share a temporary file.
     part = path.with_name(f'.{path.name}.{secrets.token_hex(4)}.part')
     try:
         with part.open('xb') as file:
@@ -58,12 +59,12 @@ def whole_file(path: Path, *, new: bool = False) -> Iterator[BinaryIO]:
 @contextlib.contextmanager
 def output_file(path: Path, *, folder: bool = False) -> Iterator[BinaryIO]:
     """
-    Open the file that a command was asked for, as :func:`whole_file`; make its ``folder`` too.
+    Open an output file of a command as :func:`whole_file` does; with ``folder`` make its folder.
 
     Raises
     ------
     BearingTwinError
-        If it cannot be written.
+        If the file cannot be written.
 
     """
     if not path.name:
@@ -89,7 +90,7 @@ def _take_free_name(part: Path, path: Path) -> None:
     except FileExistsError:
         raise
     except OSError:
-        # vfat, CIFS and shared folders of virtual machines may have no hard links.
+        # vfat, CIFS and the shared folders of virtual machines may not support hard links.
         path.open('xb').close()
         try:
             part.replace(path)
@@ -101,8 +102,8 @@ def _take_free_name(part: Path, path: Path) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to the disk."""
-    # Removed meanwhile, or of a file system that cannot: the files themselves have been written.
+    """Synchronise the file names in a folder with the disk."""
+    # The folder may be gone, or its file system may not support this; the files are written.
     with contextlib.suppress(OSError):
         fd = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         try:
@@ -112,6 +113,6 @@ def sync_folder(folder: Path) -> None:
 
 
 def free_path(path: Path) -> Path:
-    """Return ``path``, or the first free one of NAME_2, NAME_3, ... where it is taken."""
+    """Return ``path`` if it is free, else the first free one of NAME_2, NAME_3, ..."""
     numbered = (path.with_name(f'{path.stem}_{n}{path.suffix}') for n in itertools.count(2))
     return next(each for each in itertools.chain((path,), numbered) if not os.path.lexists(each))
