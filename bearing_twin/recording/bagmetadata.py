@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-``metadata.yaml`` of a bag folder, and the same as a record of an MCAP file.
+Write ``metadata.yaml`` of a bag folder, and the same content as a record of an MCAP file.
 
-Version, fields and their order are those of rosbag2_storage (``metadata_io.cpp``) since Jazzy.
+Version, fields and their order follow rosbag2_storage (``metadata_io.cpp``) since Jazzy.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ VERSION = 9
 NO_MESSAGE = 2**63 - 1
 """Starting time of a bag without messages, as rosbag2 writes it, ns."""
 MOST_LISTED = 5000
-"""Most topics that are listed: YAML takes 70 us for each, and the record may take 4 MiB."""
+"""Most topics that are listed: each takes 70 us as YAML, and the record has at most 4 MiB."""
 _DUMPER = getattr(yaml, 'CSafeDumper', yaml.SafeDumper)
-"""That of libyaml where PyYAML has it: a recording ends in a fraction of the time."""
+"""The dumper of libyaml, if PyYAML has it: closing a recording takes a fraction of the time."""
 
 
 @dataclass
@@ -60,7 +60,7 @@ def metadata_record(files: Sequence[BagFile]) -> tuple[str, dict[str, str]]:
 
 
 def write_metadata_file(folder: Path, files: Sequence[BagFile]) -> str:
-    """Write ``metadata.yaml`` as a whole; return what went wrong, '' if nothing."""
+    """Write ``metadata.yaml`` atomically; return the error, '' if there is none."""
     text = _dump({'rosbag2_bagfile_information': _information(files)})
     try:
         with whole_file(folder / 'metadata.yaml') as file:
@@ -119,7 +119,7 @@ def _topics(files: Sequence[BagFile]) -> list[dict[str, Any]]:
                 BagTopic(topic.name, topic.type_name, topic.qos, topic.type_hash),
             )
             known.count += topic.count
-    # Most topics offer the same, and YAML is slow to read.
+    # Most topics offer the same profiles, and YAML is slow to read.
     profiles = {text: read_qos(text) for text in {topic.qos for topic in merged.values()}}
     return [
         {
@@ -127,7 +127,7 @@ def _topics(files: Sequence[BagFile]) -> list[dict[str, Any]]:
                 'name': topic.name,
                 'type': topic.type_name,
                 'serialization_format': 'cdr',
-                # A copy each: what appears twice is written as a reference.
+                # A copy for each topic: YAML writes an object that appears twice as a reference.
                 'offered_qos_profiles': deepcopy(profiles[topic.qos]),
                 'type_description_hash': topic.type_hash,
             },

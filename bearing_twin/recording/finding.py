@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which recording a path stands for."""
+"""Find the recording that a path names: MCAP file, bag folder or .rrd."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ if TYPE_CHECKING:
 
 
 SIGNAL_FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
-"""Endings of vibration files of other people, each with its reader in `signals.foreign`."""
+"""Suffixes of vibration files of other formats, each with its reader in `signals.foreign`."""
 
 
 def natural(path: Path) -> list[tuple[int, str]]:
-    """Return the key of an order of names in which 2 comes before 10."""
+    """Return a sort key of a file name in which number 2 comes before 10."""
     words = re.split(r'(\d+)', path.name)
     return [(int(word), '') if word.isdecimal() else (-1, word) for word in words]
 
 
 def read_instead(path: Path) -> str:
     """
-    Return the end of a sentence that says what reads the vibration files at a path.
+    Return the end of an error message: the command that reads the vibration files at a path.
 
-    It is empty where there are none.
+    It is empty if there are none.
 
     >>> from pathlib import Path
     >>> read_instead(Path('bearing.csv'))
@@ -40,7 +40,7 @@ def read_instead(path: Path) -> str:
         return "; 'bearing-twin diagnose' reads vibration files"
     names = [item for item in path.glob('[!.]*') if item.is_file()]
     endings = Counter(item.suffix for item in names if item.suffix.lower() in SIGNAL_FILES)
-    # One text file among others is more likely about them.
+    # A single text file among others is more likely a description of them.
     endings -= Counter({'.txt': 1})
     if not endings:
         return ''
@@ -54,9 +54,9 @@ def read_instead(path: Path) -> str:
 
 def find_recording(path: Path) -> Path:
     """
-    Return the MCAP file, bag folder or .rrd that a path stands for.
+    Return the MCAP file, bag folder or .rrd that a path names.
 
-    A folder stands for the bag in it: that of ``bearing-twin demo`` holds ``bag`` and
+    A folder names the bag in it: ``bearing-twin demo`` makes a folder with ``bag`` and
     ``view.rrd``.
 
     Raises

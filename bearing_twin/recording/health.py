@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How sound a recording is: samples missing, times running backwards, damage."""
+"""Check the health of a recording: missing samples, times running backwards, damage."""
 
 from __future__ import annotations
 
@@ -22,18 +22,19 @@ if TYPE_CHECKING:
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SEVERAL_SOURCES = 3
-"""Returns to where the index had been left that a single source, out of order, does not make."""
+"""Returns of the sample index from which on a topic counts as shared by several sources. A single
+source whose blocks are out of order makes fewer."""
 SENT_BEFORE = 'sent_before_by_topic'
-"""What a recorder puts on /diagnostics before the name of a topic."""
+"""Key in the recorder's /diagnostics: messages that were sent before it subscribed, by topic."""
 
 
 @dataclass
 class TopicHealth:
-    """One topic. Blocks and samples are of vibration topics only."""
+    """Health of one topic. Blocks and samples are counted for vibration topics only."""
 
     count: int = 0
     backwards: int = 0
-    """Messages whose log time is before that of the one before."""
+    """Messages whose log time is earlier than that of the message before."""
     longest_gap: float = 0.0
     """Longest time without a message, s."""
     blocks: int = 0
@@ -41,17 +42,17 @@ class TopicHealth:
     """Times the running sample index jumped ahead."""
     samples_missing: int = 0
     restarts: int = 0
-    """Times the running sample index went back: the source was restarted, or there are two."""
+    """Times the running sample index went back: the source restarted, or there are two sources."""
     alternations: int = 0
-    """Times the index went on where it had been left before a jump: several sources alternate."""
+    """Times the index continued from before the last jump: several sources alternate."""
     worst_stamp_error: float = 0.0
-    """Largest difference between the step of the stamps and that of the index, s."""
+    """Largest difference between the step of the stamps and the step of the index, s."""
     undecodable: int = 0
 
 
 @dataclass
 class RecordingHealth:
-    """The whole recording."""
+    """Health of a whole recording."""
 
     topics: dict[str, TopicHealth] = field(default_factory=dict)
     damage: list[str] = field(default_factory=list)
@@ -59,7 +60,7 @@ class RecordingHealth:
 
     @property
     def problems(self) -> list[str]:
-        """Return what an engineer should know, in words; empty for a sound recording."""
+        """Return the problems as sentences; empty for a sound recording."""
         found = list(self.damage)
         for name, topic in sorted(self.topics.items()):
             if topic.backwards:
@@ -84,9 +85,9 @@ def examine(
     path: Path, see: Callable[[RecordedMessage], object] | None = None
 ) -> tuple[RecordingInfo, RecordingHealth]:
     """
-    Read a recording from front to back, once: what is inside, and how sound it is.
+    Read a recording once from front to back; return its contents and its health.
 
-    ``see`` is shown every message on the way.
+    ``see`` is called with every message.
     """
     health = RecordingHealth()
     checks: dict[str, _TopicCheck] = {}
@@ -106,7 +107,7 @@ def examine(
 
 
 def sent_before(diagnostics: Any) -> dict[str, int]:
-    """Return how many messages of a topic were sent before a recorder heard it, where any were."""
+    """Return how many messages were sent before a recorder subscribed, by topic, if any were."""
     return {
         topic: int(count)
         for status in diagnostics.status
@@ -118,7 +119,7 @@ def sent_before(diagnostics: Any) -> dict[str, int]:
 
 
 class _TopicCheck:
-    """What has been seen of one topic."""
+    """Check the messages of one topic in file order."""
 
     def __init__(self) -> None:
         self.health = TopicHealth()
@@ -178,7 +179,7 @@ class _TopicCheck:
         self._jumps.count(missing)
         if alternates:
             self._returns += 1
-            # The jump to the other source, whose return this is, left nothing out either.
+            # This is the return from a jump to another source: no samples were missing there.
             self._true_jumps.count(self._jump, -1)
             self._jump = 0
         else:
@@ -193,7 +194,7 @@ class _TopicCheck:
 
 @dataclass
 class _Jumps:
-    """Jumps of a sample index."""
+    """Counts of the jumps of a sample index."""
 
     gaps: int = 0
     missing: int = 0

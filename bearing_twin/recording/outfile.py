@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One MCAP file being written, in which a failing disk loses no byte and raises nothing."""
+"""Write one MCAP file; if the disk fails, bytes wait in memory and no exception is raised."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
 
 
 LIBRARY = f'bearing_twin {__version__}'
-"""Who wrote a file, as its header says; the first word marks our own."""
+"""Writer of the file in its header; the first word marks files of this package."""
 MOST_REPEATED = 2000
-"""Most descriptions that are repeated in one chunk: more would fill it."""
+"""Most schemas and channels that are repeated in one chunk: more would fill it."""
 REPEATED_EACH = 10
-"""Chunks after which schemas and channels are described again: 5 s of the default flush period."""
+"""Chunks after which schemas and channels are repeated: 5 s with the default flush period."""
 MOST_CHANNELS = 65_535
 """Most channels and schemas of one file: MCAP numbers each with two bytes, from 1 on."""
 
 
 class _Spool:
-    """Stream for the MCAP writer: what it writes waits here until the disk has taken it."""
+    """Output stream of the MCAP writer: bytes wait here until the disk has taken them."""
 
     def __init__(self) -> None:
         self.waiting = bytearray()
@@ -53,14 +53,14 @@ class _Spool:
         return self.taken + len(self.waiting)
 
     def flush(self) -> None:
-        """Nothing to do: OutputFile.drain moves the bytes."""
+        """Do nothing: OutputFile.drain moves the bytes."""
 
 
 _MESSAGE_RECORD = struct.Struct('<BQHIQQ')
 
 
 class _Message(Message):
-    """A message that is packed at once: field by field, the package takes three times as long."""
+    """A message that is packed in one call; the mcap package packs each field, 3 times slower."""
 
     def write(self, stream: RecordBuilder) -> None:
         length = MESSAGE_HEAD.size + len(self.data)
@@ -75,10 +75,10 @@ class _Message(Message):
 
 class _RepeatingWriter(Writer):
     """
-    Describe schemas and channels again in every so many chunks.
+    Repeat schemas and channels every ``REPEATED_EACH`` chunks.
 
-    A channel that is described only in the first chunk, or in a summary that a crash has kept from
-    being written, is lost with it, and so is every message of it.
+    Otherwise damage to the first chunk, together with a summary that was not written because of a
+    crash, would lose the description of a channel and so all of its messages.
     """
 
     def __init__(self, spool: _Spool, chunk_size: int, compression: str) -> None:
@@ -89,30 +89,30 @@ class _RepeatingWriter(Writer):
         )
         self._chunk_size = chunk_size
         self._described: list[Schema | Channel] = []
-        # The first that is to be repeated next.
+        # Index of the next record to repeat.
         self._next = 0
         self._age = 0
 
     def describe(self, record: Schema | Channel) -> None:
-        """Take note of what is to be repeated, first in the chunk after this one."""
+        """Add a record to those that are repeated, from the next chunk on."""
         self._described.append(record)
 
     def add(self, message: Message) -> None:
-        """Add a message; :meth:`count` tells the summary of it."""
+        """Add a message; :meth:`count` enters it in the summary."""
         builder = self._Writer__chunk_builder  # type: ignore[attr-defined]
         builder.add_message(message)
         if builder.count > self._chunk_size:
             self.flush()  # type: ignore[no-untyped-call]
 
     def count(self, channel_counts: dict[int, int], start: int, end: int) -> None:
-        """Say in the summary what has been added."""
+        """Enter the added messages in the statistics of the summary; times in ns."""
         statistics = self._Writer__statistics  # type: ignore[attr-defined]
         statistics.channel_message_counts.update(channel_counts)
         statistics.message_count = sum(channel_counts.values())
         statistics.message_start_time, statistics.message_end_time = start, end
 
     def repeat(self) -> None:
-        """Describe again, if a chunk begins, what is new, or all of it if it is time for that."""
+        """At the begin of a chunk repeat new descriptions, or all of them when it is time."""
         builder = self._Writer__chunk_builder  # type: ignore[attr-defined]
         if builder.count:
             return
@@ -126,7 +126,7 @@ class _RepeatingWriter(Writer):
 
 
 class _Channel(NamedTuple):
-    """A topic with one schema."""
+    """A topic with one schema, and its number in the file."""
 
     identity: int
     schema: MessageSchema
@@ -137,8 +137,8 @@ class OutputFile:
     """
     Write one file of a recording.
 
-    While it is open it is locked (flock), by which a recording in progress is told from one that
-    a crash has left.
+    An open file is locked (flock). The lock distinguishes a recording in progress from one that a
+    crash has left.
     """
 
     def __init__(self, path: Path, *, compression: str, chunk_size: int) -> None:
@@ -146,7 +146,7 @@ class OutputFile:
         self.count = 0
         """Messages written."""
         self.given = 0
-        """Of them, those that the operating system has been given in full."""
+        """Messages that were completely given to the operating system."""
         self.start = 0
         """First log time, ns."""
         self.vanished = False
@@ -160,22 +160,22 @@ class OutputFile:
         self._writer.start(profile='ros2', library=LIBRARY)
         self._schemas: dict[MessageSchema, int] = {}
         self._channels: dict[tuple[str, MessageSchema], _Channel] = {}
-        # That of the newest message of a topic.
+        # Channel of the newest message, by topic.
         self._newest: dict[str, _Channel] = {}
         self._counts: Counter[int] = Counter()
 
     @property
     def size(self) -> int:
-        """Bytes written, those that wait for the disk included."""
+        """Bytes written, including those that wait for the disk."""
         return self._spool.tell()
 
     def knows(self, message: Written) -> bool:
-        """Whether the message needs no further channel, or there is a number left for one."""
+        """Return whether the message has a channel, or a number is left for a new channel."""
         described = len(self._channels)
         return described < MOST_CHANNELS or (message.topic, message.schema) in self._channels
 
     def write(self, message: Written) -> None:
-        """Add a message, of a channel that the file :meth:`knows`; see RecordingWriter.write."""
+        """Add a message for which :meth:`knows` returned True; see RecordingWriter.write."""
         self._writer.repeat()
         topic, log_time = message.topic, message.log_time
         channel = self._newest.get(topic)
@@ -210,7 +210,7 @@ class OutputFile:
         Returns
         -------
         str
-            Why the disk did not take it, '' if it did. What it did not take waits.
+            Why the disk did not take all bytes, '' if it did. The remaining bytes wait in memory.
 
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
@@ -219,20 +219,20 @@ class OutputFile:
         return problem
 
     def sync(self, disk: DiskSync) -> None:
-        """Have what the operating system was given brought to the disk."""
+        """Request to synchronise the bytes given to the operating system with the disk."""
         if self._fd >= 0:
             disk.request(self._fd, self.path.parent)
 
     def end(self) -> None:
-        """Add the end of the file; only :meth:`close` may follow."""
+        """Write the summary and the end of the file; only :meth:`close` may follow."""
         self._writer.count(self._counts, self.start, self._end)
         self._writer.finish()  # type: ignore[no-untyped-call]
 
     def close(self, disk: DiskSync | None) -> str:
         """
-        Give everything to the operating system and, by ``disk``, to the disk; close the file.
+        Write all bytes, request to synchronise them through ``disk`` if given, and close the file.
 
-        Returns as :meth:`drain`; a file that has vanished counts as closed.
+        Returns as :meth:`drain`, but '' if the file has vanished.
         """
         problem = self._push()
         if problem and not self.vanished:
@@ -243,13 +243,13 @@ class OutputFile:
         return ''
 
     def abandon(self) -> None:
-        """Close the file as it is."""
+        """Close the file without writing the waiting bytes."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
 
     def summary(self) -> BagFile:
-        """Return what metadata.yaml says of this file."""
+        """Return the entry of this file in metadata.yaml."""
         return BagFile(
             name=self.path.name,
             size=self.size,
@@ -260,11 +260,11 @@ class OutputFile:
         )
 
     def _described(self, message: Written) -> _Channel:
-        """Return the channel of a message, which is described in the file where it is new."""
+        """Return the channel of a message; write its description to the file if it is new."""
         topic, schema, writer = message.topic, message.schema, self._writer
         known = self._channels.get((topic, schema))
         if known is not None:
-            # Most messages of a topic come with one schema object, which is then looked at alone.
+            # Keep this schema object: for the next message a test of identity is then enough.
             return known._replace(schema=schema)
         name = message.type_name
         if schema not in self._schemas:
@@ -296,13 +296,13 @@ class OutputFile:
         return ''
 
     def _create(self) -> None:
-        # One level only: where the folder above is gone too, a disk may have been unmounted, and
-        # writing to the disk below would be wrong.
+        # One level only: if the parent folder is gone too, the disk may have been unmounted, and
+        # the bytes would go to the disk of the mount point.
         self.alone = not self.path.parent.exists()
         self.path.parent.mkdir(exist_ok=True)
         self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
         with contextlib.suppress(OSError):
-            # Some network file systems know no locks.
+            # Some network file systems do not support locks.
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def _is_there(self) -> bool:

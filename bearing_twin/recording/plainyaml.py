@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""YAML that others have written: plain values, in time and memory in proportion to the text."""
+"""Read plain values from untrusted YAML; time and memory are proportional to its length."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ LONGEST = 1_000_000
 
 
 LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
-"""The one in C, where PyYAML has it: five times as fast."""
+"""The loader in C, if PyYAML has it: five times as fast."""
 MOST_PARTS = 100_000
-"""Most beginnings, values and ends in a text: a fleet of a thousand has half of it."""
+"""Most YAML events (begins, values and ends) in a text: a fleet of a thousand has half of it."""
 DEEPEST = 100
-"""Levels of lists and tables."""
+"""Most levels of nested lists and tables."""
 
 
 def load_plain(text: str, what: str) -> Any:
     """
-    Return what a YAML text from outside says.
+    Return the values of an untrusted YAML text; ``what`` names the text in errors.
 
     Raises
     ------
     BearingTwinError
-        If it is too long, no YAML, nested too deeply, or refers to parts of itself.
+        If it is too long, not YAML, nested too deeply, or refers to parts of itself.
 
     """
     if len(text) > LONGEST:
@@ -47,8 +47,8 @@ def _refuse_structure(text: str) -> None:
     """
     Refuse deep nesting, very many parts, and references to other parts of the text.
 
-    With references some hundred characters describe a structure of billions of elements, which
-    takes all memory when it is merged, copied or printed.
+    With references, a few hundred characters can describe a structure of billions of elements. It
+    fills the memory when it is merged, copied or printed.
     """
     depth = 0
     for number, event in enumerate(yaml.parse(text, Loader=LOADER)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""When which message of a recording is due: rate, loop, section, pause, step. Knows no ROS."""
+"""Schedule the messages of a recording: rate, loop, section, pause, step. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 
 class Player:
     """
-    Give out the messages of a recording when they are due.
+    Return the messages of a recording when they are due.
 
-    The caller's clock (seconds, any origin, never going back) drives it; recorded time runs
-    ``rate`` times as fast while playing and stands still while paused.
+    The caller passes the time of its clock (s, any origin, monotonic). Recorded time runs ``rate``
+    times as fast while playing and stops while paused.
 
     Parameters
     ----------
     path
         File or bag folder.
     start_offset, duration
-        Recorded time that is skipped at the start, and that is played, s.
+        Recorded time to skip at the start, and to play, s.
     topics
         Topics to play; None: all.
     rate
@@ -44,7 +44,8 @@ class Player:
     Raises
     ------
     BearingTwinError
-        If the recording cannot be read, has nothing to play, or a value makes no sense.
+        If the recording cannot be read, a topic or the start offset is not in it, or the section
+        to play has no messages.
 
     """
 
@@ -74,9 +75,9 @@ class Player:
         self.loop = loop
         self.paused = paused
         self.loops = 0
-        """Times the end was reached and playing went on at the start."""
+        """Number of times that playing restarted at the end."""
         self.played = 0
-        """Messages given out."""
+        """Messages returned so far."""
         self._topics = topics
         self.start = self.info.start + round(start_offset * NANO)
         """Log time at which playing starts, ns."""
@@ -88,7 +89,7 @@ class Player:
             )
             raise BearingTwinError(msg)
         self.end = self.start + math.ceil(length)
-        """Log time before which it ends, ns."""
+        """Log time at which playing ends (excluded), ns."""
         self.rate = rate
         self._clock: float | None = None
         self._elapsed = 0.0
@@ -101,7 +102,7 @@ class Player:
 
     @property
     def finished(self) -> bool:
-        """Whether everything has been given out."""
+        """Whether all messages have been returned."""
         return self._next is None
 
     @property
@@ -111,17 +112,17 @@ class Player:
 
     @property
     def fraction(self) -> float:
-        """Part of the section that has been played, 0..1."""
+        """Fraction of the section that has been played, 0..1."""
         return min(1.0, self._reached() / (self.end - self.start))
 
     def _reached(self) -> float:
-        """Time in ns up to which everything has been given out."""
+        """Return the time from the start up to which all messages have been returned, ns."""
         if self._next is None:
             return self._elapsed
         return min(self._elapsed, float(self._next.log_time - self.start))
 
     def topics(self) -> dict[str, TopicInfo]:
-        """Return the topics that are played."""
+        """Return the topics that are played, by name."""
         return {
             name: topic
             for name, topic in self.info.topics.items()
@@ -129,11 +130,11 @@ class Player:
         }
 
     def resync(self, now: float) -> None:
-        """Let playing go on at ``now`` (s) where it stands, whatever time has passed."""
+        """Continue from the current position at ``now`` (s); the time in between is ignored."""
         self._clock = now
 
     def due(self, now: float) -> Iterator[RecordedMessage]:
-        """Yield what is due at ``now`` (s), in order."""
+        """Yield the messages that are due at ``now`` (s), in order of time."""
         self._advance(now)
         while not self.paused and self._next is not None:
             message = self._next
@@ -146,7 +147,7 @@ class Player:
                 self._rewind()
             yield message
             if ended:
-                # One round a call at most: a recording of one instant must not hold the caller.
+                # One loop per call: a recording of a single instant would never end.
                 return
 
     def wait(self, now: float) -> float:
@@ -157,7 +158,7 @@ class Player:
         return max(0.0, (self._next.log_time - self.start - self._elapsed) / NANO / self.rate)
 
     def step(self) -> RecordedMessage | None:
-        """Give out the next message whatever the clock says; None at the end."""
+        """Return the next message, independent of the clock; None at the end."""
         message = self._next
         if message is not None:
             self._elapsed = max(self._elapsed, float(message.log_time - self.start))

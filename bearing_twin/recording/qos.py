@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Offered QoS of a topic as rosbag2 writes it into recordings (metadata version 9)."""
+"""Offered QoS profiles of a topic in the format of rosbag2 recordings (metadata version 9)."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ def qos_profile(
 
 
 def qos_yaml(profiles: Sequence[Mapping[str, Any]]) -> str:
-    """Write profiles as the text of a channel's ``offered_qos_profiles``."""
+    """Return profiles as the text of a channel's ``offered_qos_profiles``."""
     return str(yaml.safe_dump([dict(p) for p in profiles], sort_keys=False)).strip()
 
 
 def sensor_qos() -> str:
-    """Offered profile of a reliable sensor."""
+    """Return the profile text of a reliable publisher of sensor data."""
     return qos_yaml([qos_profile()])
 
 
 def read_qos(text: str) -> list[dict[str, Any]]:
-    """Read ``offered_qos_profiles``; what is not readable counts as no profile."""
+    """Return the profiles in ``offered_qos_profiles``; unreadable ones are ignored."""
     try:
         profiles = load_plain(text, 'the offered QoS')
     except BearingTwinError:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of a ROS 2 recording in MCAP, and what is inside: a file, or a bag folder of files."""
+"""Read messages and contents of a ROS 2 recording: an MCAP file or a bag folder of files."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ if TYPE_CHECKING:
 
 
 MOST_METADATA = 8 * 1024 * 1024
-"""Most metadata that is shown of a recording, bytes."""
+"""Most bytes of metadata that are read from a recording."""
 ATTACHMENT_INDEX = struct.Struct('<32xQI')
-"""Size of the attachment and length of its name, which follows."""
+"""Size of the attachment and length of its name; the name follows."""
 METADATA_INDEX = struct.Struct('<Q')
-"""Where the record is."""
+"""Offset of the metadata record in the file."""
 
 
 @dataclass
@@ -57,15 +57,15 @@ class TopicInfo:
     type_name: str
     type_hash: str
     qos: str
-    """Offered profiles as rosbag2 writes them, YAML."""
+    """Offered QoS profiles in the YAML of rosbag2."""
     count: int = 0
     schemas: set[tuple[str, str, str]] = field(default_factory=set)
-    """Type, encoding and definition: one, unless the topic is described in different ways."""
+    """Type, encoding and definition; several if descriptions of the topic differ."""
 
 
 @dataclass
 class RecordingInfo:
-    """What is inside a recording; times in ns."""
+    """Contents of a recording; times in ns."""
 
     path: Path
     files: list[Path]
@@ -78,17 +78,17 @@ class RecordingInfo:
     count: int = 0
     """Messages."""
     finished: bool = True
-    """Whether every file has its end."""
+    """Whether no file lacks its end."""
     problems: list[str] = field(default_factory=list)
-    """What could not be read."""
+    """Errors of the parts that could not be read."""
     profile: str = ''
     library: str = ''
     topics: dict[str, TopicInfo] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     metadata_size: int = 0
-    """Bytes of the metadata, without repetition; of the last file."""
+    """Bytes of the metadata of the last file, without repetitions."""
     attachments: dict[str, int] = field(default_factory=dict)
-    """Name and size in bytes."""
+    """Size in bytes, by name."""
 
     @property
     def duration(self) -> float:
@@ -98,12 +98,12 @@ class RecordingInfo:
 
 def recording_files(path: Path) -> list[Path]:
     """
-    Return the MCAP files of a recording, in their order.
+    Return the MCAP files of a recording in natural order of their names.
 
     Raises
     ------
     BearingTwinError
-        If there is none, or the path is a pipe, socket or device, or cannot be looked at.
+        If there is none, if the path is a pipe, socket or device, or if it cannot be read.
 
     """
     try:
@@ -117,7 +117,7 @@ def recording_files(path: Path) -> list[Path]:
     if is_folder or not exists:
         msg = f'{path} does not exist'
         if is_folder:
-            # The folder of a demo holds its bag and the pictures of it.
+            # The folder of a demo holds the bag folder and its Rerun file.
             inside = sorted({str(found.parent) for found in path.glob('*/*.mcap')})
             hint = f'; name the bag in it, e.g. {inside[0]}' if inside else read_instead(path)
             msg = f'{path} is no recording: no .mcap file is in it{hint}'
@@ -138,8 +138,8 @@ def read_messages(
     """
     Yield the messages of a recording in the order of their log time.
 
-    Files without an index (unfinished ones, or written without chunks) are read in the order in
-    which they were written. Memory stays within that of a few chunks.
+    Files without an index (unfinished ones, or written without chunks) are read in file order. The
+    memory in use is that of a few chunks.
 
     Parameters
     ----------
@@ -148,19 +148,19 @@ def read_messages(
     topics
         Topics to yield; None for all.
     start, end
-        First log time, and the one before which to end, ns.
+        First log time, and end (excluded), ns.
     recover
-        Read a file without end up to where it breaks off, and step over damaged chunks, instead of
+        Read an unfinished file up to its last complete record, and skip damaged chunks, instead of
         raising.
     problems
-        Takes note of what is left out of a bag folder because a file of it is broken; the others
-        are read. None: the first broken file raises.
+        List to which the errors of broken files in a bag folder are appended; the other files are
+        read. With None the first broken file raises its error.
 
     Raises
     ------
     BearingTwinError
-        If a file cannot be read, is unfinished or damaged; with ``problems`` and in a bag folder,
-        if that holds for every file.
+        If a file cannot be read, is unfinished or damaged. With ``problems``: only if all files
+        are.
 
     """
     keep = Selection(topics, start, end)
@@ -177,7 +177,7 @@ def read_messages(
 def _messages_of(
     path: Path, keep: Selection, broken: list[BrokenRecording], *, recover: bool
 ) -> Iterator[RecordedMessage]:
-    """Yield the messages of one file, up to where it is broken."""
+    """Yield the messages of one file up to the first error, which is appended to ``broken``."""
     try:
         file = open_mcap(path)
     except BrokenRecording as error:
@@ -195,7 +195,7 @@ def _messages_of(
 
 
 def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
-    """Return the error with the name of the file and what can be done."""
+    """Return the error with the name of the file and the remedy."""
     advice = f"'bearing-twin recover {path}' saves the rest"
     if isinstance(error, UnfinishedRecording):
         advice = f"mend it with 'bearing-twin recover {path}'"
@@ -204,20 +204,20 @@ def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
 
 @dataclass(frozen=True)
 class Witness:
-    """Who wants to see every message of a recording while it is looked into."""
+    """Callbacks for the messages and the damage of a recording while it is read."""
 
     see: Callable[[RecordedMessage], object]
+    """Called with each message."""
     hear: Callable[[str], object]
-    """Told of each damage, with the name of its file."""
+    """Called with the name of the file and the error, for each damaged part."""
 
 
 def recording_info(path: Path, witness: Witness | None = None) -> RecordingInfo:
     """
-    Say what is inside a recording, from its summary where it has one.
+    Return the contents of a recording, from its summary if it has one.
 
-    A file without end is read from front to back, as far as it goes. A file of a bag folder that
-    is no recording is named among the problems. A ``witness`` is shown every message of every
-    file: it costs the files that are read anyway nothing but that.
+    An unfinished file is read from front to back. In a bag folder, a file that is not an MCAP file
+    is listed among the problems. With a ``witness`` every file is read completely.
 
     Raises
     ------
@@ -267,7 +267,7 @@ def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness
     )
     if not told:
         with contextlib.suppress(BrokenRecording):
-            # Already in the list of problems.
+            # The error is already in the list of problems.
             _read_header(file, size, info)
         messages = _counted(messages, info)
     for message in messages:
@@ -277,11 +277,11 @@ def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness
 
 
 def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> bool:
-    """Take what the summary says; return whether it says what is in the file."""
+    """Add the contents in the summary to ``info``; return False if it has no statistics."""
     catalogue = Catalogue(Chunks(file, size))
     last: tuple[RawRecord, bytes] | None = None
     attachments: dict[str, int] = {}
-    # Where metadata are: an index may name a place many times.
+    # Offsets of metadata records, each once: an index may repeat an offset many times.
     metadata: dict[int, None] = {}
     wanted = (
         *DEFINITIONS,
@@ -329,13 +329,13 @@ def _add_metadata(file: BinaryIO, raw: RawRecord, info: RecordingInfo) -> None:
         return
     found = read_record(file, raw)
     if isinstance(found, Metadata) and info.metadata.get(found.name) != found.metadata:
-        # Each file of a bag repeats them.
+        # Only new or changed metadata count: each file of a bag repeats them.
         info.metadata_size += raw.length
         info.metadata[found.name] = found.metadata
 
 
 def _extras(file: BinaryIO, info: RecordingInfo) -> Callable[[RawRecord, bytes], None]:
-    """Return what takes note of the metadata and attachments of a file."""
+    """Return a function that adds metadata and attachments of a file to ``info``."""
 
     def extra(raw: RawRecord, data: bytes) -> None:
         if raw.opcode == Opcode.METADATA:
@@ -351,7 +351,7 @@ def _extras(file: BinaryIO, info: RecordingInfo) -> Callable[[RawRecord, bytes],
 def _counted(
     messages: Iterator[RecordedMessage], info: RecordingInfo
 ) -> Iterator[RecordedMessage]:
-    """Pass messages on; take note of topics and times, once for those in a row on a channel."""
+    """Yield the messages; add topics and times to ``info``, once for each run on a channel."""
     channel: RecordedChannel | None = None
     count = first = last = 0
     for message in messages:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Save what is complete in a recording that a crash, a full disk or a bad copy has left."""
+"""Recover the complete messages of a recording after a crash, a full disk or a bad copy."""
 
 from __future__ import annotations
 
@@ -42,21 +42,21 @@ if TYPE_CHECKING:
 
 MOST_LOOKED_AT = 1000
 MOST_ASKED = 8
-"""Most other files of a bag that are asked for a description."""
+"""Most other files of a bag that are searched for a channel description."""
 MOST_TOLD = 1000
 """Most losses that are listed one by one."""
 
 
 @dataclass
 class RecoveryReport:
-    """What was saved and what was not; times in ns."""
+    """Saved messages and losses of a recovery; times in ns."""
 
     source: Path
     target: Path
     kept: int = 0
     """Messages saved."""
     start: int = 0
-    """First log time saved; 0 where nothing was."""
+    """First log time saved; 0 if no message was saved."""
     end: int = 0
     """Last log time saved."""
     topics: dict[str, int] = field(default_factory=dict)
@@ -66,11 +66,11 @@ class RecoveryReport:
     lost_bytes: int = 0
     """Bytes of the source that could not be read as a recording."""
     lost_messages: int = 0
-    """Messages not saved of the files whose summary, being sound, tells their number."""
+    """Messages that were not saved, in files whose sound summary states their number."""
     losses: list[str] = field(default_factory=list)
-    """What was lost and why."""
+    """Losses and their causes, as sentences."""
     unlisted_losses: int = 0
-    """Losses besides these."""
+    """Number of further losses that are not listed."""
 
     @property
     def duration(self) -> float:
@@ -78,7 +78,7 @@ class RecoveryReport:
         return (self.end - self.start) / NANO
 
     def lose(self, text: str, octets: int) -> None:
-        """Take note of a loss."""
+        """Add a loss of so many bytes (``octets``)."""
         self.lost_bytes += octets
         if len(self.losses) < MOST_TOLD:
             self.losses.append(text)
@@ -90,16 +90,16 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     """
     Write every message in the sound chunks of ``source`` to the new recording ``target``.
 
-    A damaged stretch costs what lies between the last sound record before it and the next sound
-    chunk. Where the description of a channel is lost, it is taken from the summary or from further
-    chunks, or it is that channel of the other files of the bag (without any, of our own topics) as
-    which alone its messages can be read.
+    Damage loses the records between the last sound record before it and the next sound chunk. If
+    the description of a channel is lost, it is taken from the summary or from other chunks. Else
+    the channels of the other files of the bag are tried, or without these the topics of this
+    package; a channel is used if its messages can be read as this channel only.
 
     Raises
     ------
     BearingTwinError
-        If no file of the source is a recording of ROS 2, one is still being written, or the target
-        exists or cannot be written; nothing of it is then left.
+        If no file of the source is a ROS 2 recording, if one is still being written, or if the
+        target exists or cannot be written. Then no part of the target is left.
 
     """
     files = recording_files(source)
@@ -112,7 +112,7 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     if not sound:
         msg = f'{source} holds no MCAP file with content: {"; ".join(report.losses)}'
         raise BearingTwinError(msg)
-    # Each of them is read for it once, however many others ask.
+    # The channels of each file are read only once.
     channels = cache(_channels)
 
     def candidates(path: Path) -> tuple[RecordedChannel, ...]:
@@ -130,17 +130,18 @@ def recover(source: Path, target: Path) -> RecoveryReport:
 
 def find_unfinished(folder: Path) -> list[Path]:
     """
-    Return the recordings of our own recorder under ``folder`` that a crash has left.
+    Return the recordings in ``folder`` that the recorder of this package left after a crash.
 
-    Looked at are the MCAP files in the folder and in the bag folders in it.
+    The search covers MCAP files in the folder and in the bag folders inside it.
     """
     found = []
     candidates: list[Path] = []
-    # A folder that cannot be listed (no descriptor left, no right) must not keep a recorder.
+    # A folder that cannot be listed (no file descriptor left, no permission) must not stop a
+    # recorder from starting.
     with contextlib.suppress(OSError):
         candidates += [*folder.glob('*.mcap'), *folder.glob('*/*.mcap')]
     for path in sorted(candidates)[:MOST_LOOKED_AT]:
-        # A file that is not readable or no MCAP file offers nothing to recover.
+        # Nothing can be recovered from a file that is unreadable or not an MCAP file.
         with contextlib.suppress(BearingTwinError, OSError):
             if _is_our_torn_file(path):
                 found.append(path.parent if path.parent != folder else path)
@@ -162,7 +163,7 @@ def _is_our_torn_file(path: Path) -> bool:
 def _is_being_written(path: Path) -> bool:
     if not path.is_file():
         return False
-    # Of what cannot be read, opening it says so.
+    # An unreadable file is reported when it is opened for recovery.
     with contextlib.suppress(OSError), path.open('rb') as file:
         try:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -205,7 +206,7 @@ def _copy(
 
     foreign: dict[RecordedChannel, tuple[int, int]] = {}
     with open_mcap(path) as file:
-        # Of a split recording, those of the first file are enough.
+        # All files of a split recording have the same attachments: those of the first are enough.
         extra = None if writer.written else copy_extra
         for message in in_file_order(file, size, Selection(), damaged, candidates, extra):
             channel = message.channel
@@ -232,7 +233,7 @@ def _copy(
 
 
 def _said_count(path: Path, size: int) -> int:
-    """Messages in a file by its summary; 0 where that does not say."""
+    """Return the number of messages stated in the summary of a file; 0 if there is none."""
     with open_mcap(path) as file, contextlib.suppress(BrokenRecording):
         for raw, data in summary_records(file, size, (Opcode.STATISTICS,)):
             record = parse(raw.opcode, data, raw.offset)
@@ -241,7 +242,7 @@ def _said_count(path: Path, size: int) -> int:
 
 
 def _channels(path: Path) -> list[RecordedChannel]:
-    """Channels of another file of the bag."""
+    """Return the channels that a file describes."""
     with contextlib.suppress(BearingTwinError), open_mcap(path) as file:
         for catalogue in own_definitions(Chunks(file, path.stat().st_size)):
             if catalogue.channels:
@@ -250,7 +251,7 @@ def _channels(path: Path) -> list[RecordedChannel]:
 
 
 def _own_channels() -> tuple[RecordedChannel, ...]:
-    """Our own topics, to try for a message that nothing else describes."""
+    """Return channels for the topics of this package, to try for messages without description."""
     schemas = ((f'/{name}', message_schema(type_name)) for name, type_name in OWN_TOPICS.items())
     return tuple(
         RecordedChannel(topic, s.type_name, 'cdr', s.encoding, s.text, '', s.type_hash)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Temperature recordings: the paper's schedule, and measured temperatures of real machines."""
+"""Temperature recordings: the schedule of the paper, and measurements from real machines."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 START = 1_577_836_800 * NANO
-"""Stamp of what has no date, 2020-01-01 00:00 UTC: the same command writes the same file."""
+"""Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""
 
 
 def undated(start: int) -> bool:
     """
-    Whether a recording that begins at ``start`` ns has no date, only a time from its start.
+    Return whether a recording that begins at ``start`` (ns) is undated: times count from START.
 
     Examples
     --------
@@ -40,7 +40,7 @@ def undated(start: int) -> bool:
 
 def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
-    Return times (s) and temperatures (degC): 20 to 110 degC in proportion to time.
+    Return times (s) and temperatures (degC) of a linear rise from 20 to 110 degC.
 
     Parameters
     ----------
@@ -71,12 +71,14 @@ def load_trend(
     """
     Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.
 
-    It is taken up to ``until``, s from its start, a reading at most each ``every`` s; None: all.
+    Return times (s from the start) and temperatures (degC) up to ``until`` (s), at most one
+    reading per ``every`` (s); with None all readings.
 
     Raises
     ------
     BearingTwinError
-        If the file has no such arrays of equal length, or the times do not rise.
+        If the file lacks these arrays, their lengths differ, the times do not rise, or fewer than
+        two readings remain.
 
     """
     arrays = read_npz(path, ('temp_t_s', 'temp_C'))
@@ -115,7 +117,7 @@ def write_temperature_recording(
     topic: str = '/temperature',
 ) -> None:
     """
-    Write readings, s from the start and degC, as a recording of ``sensor_msgs/Temperature``.
+    Write times (s from the start) and temperatures (degC) as ``sensor_msgs/Temperature``.
 
     Raises
     ------

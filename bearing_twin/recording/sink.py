@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What takes serialised messages to be kept: checked at the door, finished when it is left."""
+"""Interface of classes that store serialised messages; it checks the messages."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 LATEST = 2**63
 OVERHEAD = 250
-"""Bytes that a message takes in memory besides its content."""
+"""Bytes of memory that a message takes in addition to its content."""
 
 
 class Written(NamedTuple):
-    """One message to be kept; times in ns."""
+    """One message to store; times in ns."""
 
     topic: str
     type_name: str
@@ -34,7 +34,7 @@ class Written(NamedTuple):
 
     @property
     def memory(self) -> int:
-        """Bytes that it takes while it waits."""
+        """Bytes of memory that the message takes while it waits."""
         return OVERHEAD + len(self.cdr)
 
 
@@ -49,10 +49,10 @@ class Attached:
 
 
 class MessageSink(ABC):
-    """Take messages, attachments and metadata; leaving the context closes it."""
+    """Store messages, attachments and metadata; leaving the context closes the sink."""
 
     def __enter__(self) -> Self:
-        """Return itself."""
+        """Return the sink."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -71,26 +71,26 @@ class MessageSink(ABC):
         schema: MessageSchema | None = None,
     ) -> None:
         """
-        Take one serialised message.
+        Check and store one serialised message.
 
         Parameters
         ----------
         topic, type_name
             Topic, and type as ``pkg/msg/Type``.
         cdr
-            The message with its CDR header, as it came off the wire.
+            The message with its CDR header, as received.
         log_time, publish_time
-            When it was received and sent, ns.
+            Time of reception and time of sending, ns.
         qos
-            Offered QoS profiles, YAML (:func:`bearing_twin.recording.qos.qos_yaml`); taken from
-            the first message of a topic.
+            Offered QoS profiles, YAML (:func:`bearing_twin.recording.qos.qos_yaml`). Those of the
+            first message of a topic are stored.
         schema
-            Its schema; None: that of the installed package.
+            Schema of the message. With None the installed package provides it.
 
         Raises
         ------
         BearingTwinError
-            If the definition of the type is not known, or a time cannot be stored.
+            If the definition of the type is unknown, or a time is out of range.
 
         """
         schema = schema or message_schema(type_name)
@@ -100,7 +100,7 @@ class MessageSink(ABC):
         self.take(Written(topic, type_name, cdr, log_time, publish_time, qos, schema))
 
     def copy(self, message: RecordedMessage) -> None:
-        """Take a message as it was recorded; raises what :meth:`write` does."""
+        """Store a message from a recording unchanged; raises as :meth:`write`."""
         channel = message.channel
         self.write(
             channel.topic,
@@ -114,23 +114,23 @@ class MessageSink(ABC):
 
     @abstractmethod
     def take(self, message: Written) -> None:
-        """Take one message that has been checked."""
+        """Store one checked message."""
 
     def attach(self, name: str, data: bytes, media_type: str) -> None:
-        """Attach a small file; it is repeated in every file of a recording."""
+        """Attach a small file to every file of the recording."""
         self.add(Attached(name, media_type=media_type, data=data))
 
     def metadata(self, name: str, values: dict[str, str]) -> None:
-        """Add named texts; they are repeated in every file of a recording."""
+        """Add named texts to every file of the recording."""
         self.add(Attached(name, values=values))
 
     @abstractmethod
     def add(self, attached: Attached) -> None:
-        """Take an attachment or a metadata record."""
+        """Add an attachment or a metadata record."""
 
     @abstractmethod
     def flush(self) -> None:
-        """Hand everything that is to be written to the operating system."""
+        """Write all pending messages to the operating system."""
 
     @abstractmethod
     def close(self) -> None:

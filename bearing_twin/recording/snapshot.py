@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Recording on demand: the last seconds wait in memory and are written when something happens."""
+"""Record on demand: keep the last seconds in memory and write them when triggered."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 class SnapshotWriter(MessageSink):
     """
-    Keep the last seconds of all topics; on :meth:`trigger` write them and what follows.
+    Keep the last seconds of all topics; :meth:`trigger` writes them and the following messages.
 
-    It is used like a RecordingWriter. The bag folder is made at the first trigger; each further
-    one goes on in a new file of it.
+    It is used like a RecordingWriter. The first trigger makes the bag folder; later ones begin a
+    new file in it.
 
-    ``before`` and ``after`` a trigger, s, messages are written; those kept take ``memory`` bytes
-    at most.
+    Messages from ``before`` seconds before a trigger to ``after`` seconds after it are written.
+    The messages kept in memory take at most ``memory`` bytes.
 
     Raises
     ------
     BearingTwinError
-        If the path exists or is no folder name.
+        If the path exists or is not a folder name.
 
     """
 
@@ -47,7 +47,7 @@ class SnapshotWriter(MessageSink):
             raise BearingTwinError(msg)
         self.path = path
         self.snapshots = 0
-        """Times it was triggered."""
+        """Number of triggers."""
         self._options = options or WriterOptions()
         self._before = round(before * NANO)
         self._after = round(after * NANO)
@@ -60,27 +60,27 @@ class SnapshotWriter(MessageSink):
 
     @property
     def problem(self) -> str:
-        """Return what keeps messages from the disk; '' if nothing."""
+        """Return why messages cannot be written to the disk; '' if they can."""
         return self._writer.problem if self._writer else ''
 
     @property
     def stopped(self) -> str:
-        """Why the recording has ended by itself; '' if it has not."""
+        """Why the recording has stopped by itself; '' if it has not."""
         return self._writer.stopped if self._writer else ''
 
     @property
     def written(self) -> int:
-        """Messages given to the files."""
+        """Messages written to the files."""
         return self._writer.written if self._writer else 0
 
     @property
     def lost(self) -> int:
-        """Messages lost because the disk took none, or with files that somebody removed."""
+        """Messages lost because the disk failed, or with files that were removed."""
         return self._writer.lost if self._writer else 0
 
     @property
     def sync_problem(self) -> str:
-        """Return why the disk has not kept what it was given; '' if it has."""
+        """Return the reason of a failed synchronisation with the disk; '' if none failed."""
         return self._writer.sync_problem if self._writer else ''
 
     @property
@@ -89,7 +89,7 @@ class SnapshotWriter(MessageSink):
         return self._writer.size if self._writer else 0
 
     def take(self, message: Written) -> None:
-        """Write one message, or keep it; :meth:`write` is the door."""
+        """Write one message or keep it in memory; callers use :meth:`write`, which checks it."""
         if self._writer is not None and message.log_time <= self._until:
             self._writer.take(message)
             return
@@ -100,7 +100,7 @@ class SnapshotWriter(MessageSink):
             self._kept_bytes -= self._kept.popleft().memory
 
     def trigger(self, log_time: int) -> None:
-        """Write what is kept, and what follows until ``after`` seconds past ``log_time`` (ns)."""
+        """Write the kept messages, and those up to ``after`` seconds after ``log_time`` (ns)."""
         if self._writer is None:
             self._writer = RecordingWriter(self.path, self._options)
             for attached in self._attached:
@@ -115,17 +115,17 @@ class SnapshotWriter(MessageSink):
         self._writer.flush()
 
     def add(self, attached: Attached) -> None:
-        """Add it to every file."""
+        """Add an attachment or a metadata record to every file."""
         self._attached.append(attached)
         if self._writer is not None:
             self._writer.add(attached)
 
     def flush(self) -> None:
-        """Hand everything that is to be written to the operating system."""
+        """Write all pending messages to the operating system."""
         if self._writer is not None:
             self._writer.flush()
 
     def close(self) -> None:
-        """Finish the recording, if there is one; what is kept is given up."""
+        """Finish the recording, if there is one; messages kept in memory are discarded."""
         if self._writer is not None:
             self._writer.close()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Names and types of the topics of twin and diagnosis."""
+"""Names and types of the topics of the twin and diagnosis nodes."""
 
 FEATURES = (
     'result',
@@ -11,9 +11,9 @@ FEATURES = (
     'rms',
 )
 """
-Fields of a Diagnosis that a diagnosis node also publishes each on a topic of its own.
+Fields of a Diagnosis that a diagnosis node also publishes on one topic each.
 
-Rerun alone opens seven views of lines: these and the temperature.
+Rerun itself opens seven line plots of a recording: these fields and the temperature.
 """
 
 OWN_TOPICS = {
@@ -29,12 +29,12 @@ OWN_TOPICS = {
     'spectrum': 'bearing_twin_msgs/msg/Spectrum',
     **{f'features/{name}': 'std_msgs/msg/Float64MultiArray' for name in FEATURES},
 }
-"""Relative name and type."""
+"""Relative topic name and message type."""
 
 
 def is_feature(topic: str) -> bool:
     """
-    Whether a topic but repeats a field of a verdict, for viewers that do not know our messages.
+    Return whether a topic repeats a field of a Diagnosis, for viewers without this message type.
 
     >>> is_feature('/line3/features/rms'), is_feature('/line3/diagnosis')
     (True, False)

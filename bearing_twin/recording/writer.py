@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write ROS 2 recordings in MCAP: a single file or a bag folder, never over an existing one."""
+"""Write ROS 2 recordings in MCAP: a new single file or a new bag folder."""
 
 from __future__ import annotations
 
@@ -24,36 +24,36 @@ if TYPE_CHECKING:
 
 
 MOST_FILES = 10_000
-"""Most files of a bag that metadata.yaml names: it takes 0.12 ms for each, at each split."""
+"""Most files of a bag in metadata.yaml: each file takes 0.12 ms at each split."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WriterOptions:
-    """How a recording is written."""
+    """Options of a recording."""
 
     compression: str = quantity(
         'zstd', 'Compression of the chunks.', choices=('zstd', 'lz4', 'none'), running=False
     )
     chunk_size: int = 1024 * 1024
-    """A chunk is closed when it holds this many bytes..."""
+    """Size at which a chunk is closed, bytes."""
     flush_period: float = quantity(
         0.5, 'Most recorded time that a crash can lose.', 's', 0.05, 60.0, running=False
     )
-    """...or when this time has passed."""
+    """Time after which a chunk is closed, s."""
     split_size: int = 0
-    """Bytes after which a bag folder goes on in a new file; 0: never."""
+    """Size at which a bag folder continues in a new file, bytes; 0: never."""
     split_duration: float = quantity(
         0.0, 'Log time after which a new file is begun', 's', 0.0, 1e7, special=(0.0, 'never'),
         running=False,
     )  # fmt: skip
     storage_limit: int = 0
-    """Most bytes the recording may take; 0: no limit."""
+    """Largest size of the recording, bytes; 0: no limit."""
     delete_oldest: bool = quantity(
         False, 'At the limit delete the oldest file of this recording instead of stopping; '
         'needs max_bag_size or max_bag_duration.', running=False,
     )  # fmt: skip
     cache_size: int = 64 * 1024 * 1024
-    """Most bytes that wait in memory while the disk takes none."""
+    """Most bytes that wait in memory while the disk cannot be written."""
     sync_period: float = quantity(
         5.0,
         'Interval of synchronising the files with the disk, in the background. A loss of power '
@@ -64,19 +64,19 @@ class WriterOptions:
 
 class RecordingWriter(MessageSink):
     """
-    Write messages to a recording that others can read at any time.
+    Write messages to a recording that can be read at any time.
 
-    A path that ends in ``.mcap`` is a single file, any other one a bag folder ``NAME`` with
+    A path that ends in ``.mcap`` is a single file; any other path is a bag folder ``NAME`` with
     ``NAME_0.mcap``, ``NAME_1.mcap``, ... and ``metadata.yaml``.
 
-    A disk that is full, gone or not writable does not stop the caller: messages wait in memory up
-    to ``cache_size``, then the newest are dropped and counted, :attr:`problem` says what is wrong,
-    and writing goes on in the same file as soon as the disk takes it.
+    A disk that is full, gone or not writable does not stop the caller. Messages wait in memory up
+    to ``cache_size``; then the newest are dropped and counted. :attr:`problem` names the cause.
+    Writing continues in the same file as soon as the disk accepts data.
 
     Raises
     ------
     BearingTwinError
-        If the path exists, cannot be made, or the options do not fit together.
+        If the path exists or cannot be made, or if the options contradict each other.
 
     """
 
@@ -85,25 +85,25 @@ class RecordingWriter(MessageSink):
         self.options = options or WriterOptions()
         self.bag = path.suffix != '.mcap'
         self.problem = ''
-        """What keeps messages from the disk; '' if nothing."""
+        """Why messages cannot be written to the disk; '' if they can."""
         self.stopped = ''
-        """Why the recording has ended by itself (storage limit); '' if it has not."""
+        """Why the recording has stopped by itself (storage limit); '' if it has not."""
         self.written = 0
-        """Messages given to the file."""
+        """Messages written to the files."""
         self.dropped = 0
-        """Messages lost because the disk took none and the memory for them was full."""
+        """Messages lost because the disk failed and the memory for waiting messages was full."""
         self.removed = 0
-        """Messages lost with files that somebody removed while they were being written."""
+        """Messages lost with files that were removed during the recording."""
         self._check_options()
         self._waiting: deque[Written] = deque()
         self._waiting_bytes = 0
         self._attached: list[Attached] = []
         self._finished: list[BagFile] = []
-        # Messages and bytes of files before them, which are no longer listed.
+        # Messages and bytes of earlier files, which metadata.yaml no longer lists.
         self._earlier_count = self._earlier_size = 0
-        # Files whose end the disk has not taken yet.
+        # Files whose end is not written yet.
         self._ending: list[OutputFile] = []
-        # What is wrong with metadata.yaml, the files that it is to name, and those it names.
+        # Problem with metadata.yaml, the files that it should list, and those that it lists.
         self._unlisted = ''
         self._to_list = self._listed = list[BagFile]()
         self._index = 0
@@ -131,24 +131,24 @@ class RecordingWriter(MessageSink):
 
     @property
     def sync_problem(self) -> str:
-        """Return why the disk has not kept what it was given; '' if it has. It stays."""
+        """Return the reason of a failed synchronisation with the disk; '' if none ever failed."""
         return self._disk.problem
 
     @property
     def size(self) -> int:
-        """Bytes of the recording so far, those still in memory included."""
+        """Bytes of the recording so far, including those still in memory."""
         finished = self._earlier_size + sum(file.size for file in self._finished)
         unfinished = self._ending if self._closed else (*self._ending, self._file)
         return finished + sum(file.size for file in unfinished)
 
     def take(self, message: Written) -> None:
         """
-        Write one message that has been checked; :meth:`write` is the door.
+        Write one checked message; callers use :meth:`write`, which checks it.
 
         Raises
         ------
         BearingTwinError
-            If a single file has no number left for a further topic.
+            If a single file has no channel number left for another topic.
 
         """
         if self.stopped:
@@ -166,18 +166,18 @@ class RecordingWriter(MessageSink):
             self.flush()
 
     def add(self, attached: Attached) -> None:
-        """Add it to every file of a split recording."""
+        """Add an attachment or a metadata record to this file and all later ones."""
         self._attached.append(attached)
         self._file.attach(attached)
 
     def flush(self) -> None:
-        """Close the chunk and hand everything to the operating system; see :attr:`problem`."""
+        """Close the chunk and write all bytes to the operating system; sets :attr:`problem`."""
         self._flushed = time.monotonic()
         self.problem = self._settle() or self._file.drain()
         if self._file.vanished or self._file.alone:
             self._count_removed()
         if self._file.vanished:
-            # What it held is gone with it; the recording goes on in a new file.
+            # Its messages are lost; the recording continues in a new file.
             self._lose(self._file.count)
             self._file.abandon()
             self._index += 1
@@ -195,7 +195,7 @@ class RecordingWriter(MessageSink):
             self._keep_within_limit()
 
     def split(self) -> None:
-        """Go on in a new file (bag folders only)."""
+        """Continue in a new file (bag folders only)."""
         self._check_bag()
         self._finish()
         self.problem = self._settle()
@@ -209,7 +209,7 @@ class RecordingWriter(MessageSink):
         Raises
         ------
         BearingTwinError
-            If the end could not be written: what has been flushed can then be recovered.
+            If the end could not be written. The flushed messages can then be recovered.
 
         """
         if self._closed:
@@ -234,7 +234,7 @@ class RecordingWriter(MessageSink):
             raise BearingTwinError(msg)
 
     def discard(self) -> None:
-        """Remove what has been made of the recording: a result that was not to be left cut."""
+        """Close and remove all files of the recording, so that no incomplete result is left."""
         self._closed = True
         self._disk.settle()
         for file in (*self._ending, self._file):
@@ -252,7 +252,7 @@ class RecordingWriter(MessageSink):
         o = self.options
         check_fields(o)
         try:
-            # A bag says it in its metadata.yaml, which is UTF-8.
+            # A bag stores the name in its metadata.yaml, which is UTF-8.
             self.path.name.encode()
         except UnicodeEncodeError:
             msg = f'{str(self.path)!r} is not UTF-8; choose another name'
@@ -281,7 +281,7 @@ class RecordingWriter(MessageSink):
         return file
 
     def _sync(self) -> None:
-        """Have the disk keep what it was given, unless it is still busy with the last time."""
+        """Synchronise the file with the disk when due, unless the last request still runs."""
         period = self.options.sync_period
         due = 0.0 < period <= time.monotonic() - self._synced
         if due and not self._disk.busy:
@@ -289,7 +289,7 @@ class RecordingWriter(MessageSink):
             self._file.sync(self._disk)
 
     def _count_removed(self) -> None:
-        """Count what was finished in a folder that has been removed."""
+        """Count the messages of finished files that were removed with their folder."""
         self._file.alone = False
         if self._earlier_count and not (self.path / f'{self.path.name}_0.mcap').exists():
             self._lose(self._earlier_count)
@@ -321,7 +321,7 @@ class RecordingWriter(MessageSink):
         if not file.count or self.problem:
             return False
         sizes = [o.split_size, o.storage_limit // 2 if o.delete_oldest else 0]
-        # So that at the limit there is an older file to delete.
+        # Half of the limit, so that there is an older file to delete at the limit.
         too_large = any(0 < size <= file.size for size in sizes)
         too_long = 0 < o.split_duration * NANO <= log_time - file.start
         return too_large or too_long
@@ -349,7 +349,7 @@ class RecordingWriter(MessageSink):
         self._ending.append(self._file)
 
     def _settle(self) -> str:
-        """Bring ended files, and metadata.yaml of a bag, to the disk; return what went wrong."""
+        """Write ended files, and metadata.yaml of a bag; return the error, '' if none."""
         while self._ending:
             file = self._ending[0]
             problem = file.close(self._disk if self.options.sync_period else None)
@@ -370,7 +370,7 @@ class RecordingWriter(MessageSink):
         return ''
 
     def _list_files(self) -> None:
-        """Write the newest metadata.yaml: with thousands of files it takes a second."""
+        """Write metadata.yaml if it is out of date; with thousands of files it takes a second."""
         files = self._to_list
         if files is not self._listed:
             self._unlisted = write_metadata_file(self.path, files)
@@ -380,12 +380,12 @@ class RecordingWriter(MessageSink):
 @contextlib.contextmanager
 def whole_recording(path: Path) -> Iterator[RecordingWriter]:
     """
-    Write a recording that is there as a whole or, after an error, not at all.
+    Open a writer of a recording that is removed after an error, so that it is complete or absent.
 
     Raises
     ------
     BearingTwinError
-        As a RecordingWriter, and where the disk did not take everything.
+        As RecordingWriter, and if not all messages could be written.
 
     """
     writer = RecordingWriter(path)
@@ -396,7 +396,7 @@ def whole_recording(path: Path) -> Iterator[RecordingWriter]:
             msg = f'{writer.lost} messages found no room in memory while the disk was full'
             raise BearingTwinError(msg)
     except BaseException as error:
-        # Ctrl-C too: what is left of it would look whole.
+        # Also after Ctrl-C: the incomplete recording would look complete.
         writer.discard()
         if isinstance(error, BearingTwinError) and (writer.problem or writer.lost):
             reason = writer.problem or error

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-One MCAP file, read within bounds that hold whatever the file claims, sound or damaged.
+Read one MCAP file, sound or damaged, within limits that do not depend on what the file states.
 
-Everything here raises a BrokenRecording where what it is to read is damaged or larger than stated.
+All functions raise a BrokenRecording if the data is damaged or larger than the limits.
 """

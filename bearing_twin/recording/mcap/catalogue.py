@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Channels and messages of a recording, and how a channel is found whose description is lost."""
+"""Channels and messages of a recording, and the search for lost channel descriptions."""
 
 from __future__ import annotations
 
@@ -31,12 +31,11 @@ if TYPE_CHECKING:
 
 DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
 MOST_HELD = 64 * 1024 * 1024
-"""Most bytes of the descriptions of a file."""
+"""Most bytes of schemas and channels of a file."""
 MOST_DESCRIBED = 2 * 65_536
-"""Most schemas and channels of a file, the same ones not counted again: MCAP can number 65 535 of
-each."""
+"""Most schemas and channels of a file without repetitions: MCAP can number 65 535 of each."""
 MOST_TRIED = 100
-"""Most channels whose description is lost that are looked for by their content."""
+"""Most channels without description that are identified by the content of a message."""
 
 
 @dataclass(frozen=True)
@@ -47,29 +46,29 @@ class RecordedChannel:
     type_name: str
     """``pkg/msg/Type``."""
     encoding: str
-    """Of the messages: ``cdr`` in ROS 2."""
+    """Encoding of the messages: ``cdr`` in ROS 2."""
     schema_encoding: str
-    """Of the schema: ``ros2msg`` in ROS 2."""
+    """Encoding of the schema: ``ros2msg`` in ROS 2."""
     schema: str
     qos: str
-    """Offered QoS profiles as rosbag2 writes them, YAML; '' where the file has none."""
+    """Offered QoS profiles in the YAML of rosbag2; '' if the file has none."""
     type_hash: str
-    """``RIHS01_...``; '' where the file has none."""
+    """``RIHS01_...``; '' if the file has none."""
 
     @cached_property
     def message_schema(self) -> MessageSchema:
-        """What is to be written with its messages: one object, however many they are."""
+        """Schema to write with its messages; all of them share one object."""
         return MessageSchema(self.type_name, self.schema, self.type_hash, self.schema_encoding)
 
 
 class RecordedMessage(NamedTuple):
-    """One message; times in ns."""
+    """One recorded message."""
 
     channel: RecordedChannel
     log_time: int
-    """When it was received."""
+    """Time of reception, ns."""
     publish_time: int
-    """When it was sent."""
+    """Time of sending, ns."""
     cdr: bytes
 
     @property
@@ -89,7 +88,7 @@ class RecordedMessage(NamedTuple):
         Raises
         ------
         BearingTwinError
-            If schema or bytes are damaged or of another encoding.
+            If schema or bytes are damaged or have another encoding.
 
         """
         channel = self.channel
@@ -109,7 +108,7 @@ class RecordedMessage(NamedTuple):
         try:
             return store.deserialize_cdr(self.cdr, channel.type_name)
         except Exception as error:
-            # The bytes come from a file: rosbags raises many kinds on damaged ones.
+            # rosbags raises exceptions of many types if the bytes are damaged.
             msg = f'a message on {channel.topic} is damaged ({type(error).__name__}: {error})'
             raise BearingTwinError(msg) from None
 
@@ -117,10 +116,10 @@ class RecordedMessage(NamedTuple):
 @contextmanager
 def known_fields(topic: str, type_name: str) -> Iterator[None]:
     """
-    Turn what goes wrong with the fields of a decoded message into a BearingTwinError.
+    Turn errors in the access to fields of a decoded message into a BearingTwinError.
 
-    A recording brings its own definition of a type, which may lack the fields we know, or have
-    them of other types.
+    A recording contains its own definition of a type. There, fields that this version knows may be
+    missing or have other types.
     """
     try:
         yield
@@ -131,16 +130,16 @@ def known_fields(topic: str, type_name: str) -> Iterator[None]:
 
 class Catalogue:
     """
-    Channels seen so far.
+    Catalogue of the channels that a file has described so far.
 
     Parameters
     ----------
     chunks
-        The file, whose new descriptions count as work.
+        The file. Each new description counts as work.
     elsewhere
-        Catalogues in which a channel is looked for that has not been seen, made when needed.
+        Catalogues to search for a channel that is not described yet; evaluated when needed.
     candidates
-        Channels to choose from if no catalogue knows a channel, made when needed.
+        Channels to choose from if no catalogue knows a channel; evaluated when needed.
 
     """
 
@@ -152,12 +151,12 @@ class Catalogue:
     ) -> None:
         self._chunks = chunks
         self._schemas: dict[int, tuple[str, str, str]] = {}
-        # What has been said last of a schema or channel, which comes again and again.
+        # The last description of each schema and channel: files repeat them many times.
         self._said: dict[int, dict[bytes, bytes]] = {kind: {} for kind in DEFINITIONS}
         self._held = self._described = 0
         self.channels: dict[int, RecordedChannel] = {}
         self.guessed: dict[int, str] = {}
-        """Topics that were found by their content alone."""
+        """Topics that were identified by the content of a message only, by channel number."""
         self._elsewhere = iter(elsewhere)
         self._others: list[Catalogue] = []
         self._candidates = candidates
@@ -165,12 +164,12 @@ class Catalogue:
 
     def learn(self, opcode: int, content: bytes, offset: int) -> None:
         """
-        Take note of a schema or channel.
+        Add a schema or channel from a record of the file.
 
         Raises
         ------
         BrokenRecording
-            If it is damaged, or one too many.
+            If it is damaged, or if there are too many.
 
         """
         identity, said = content[:2], self._said[opcode]
@@ -187,14 +186,14 @@ class Catalogue:
         record = parse(opcode, content, offset)
         said[identity] = content
         if isinstance(record, Schema):
-            # Channels of it mean something else from now on.
+            # Channels with this schema have another type from now on: read them again.
             self._said[Opcode.CHANNEL].clear()
             text = record.data.decode('utf-8', 'replace')
             self._schemas[record.id] = (record.name, record.encoding, text)
         elif isinstance(record, Channel):
             schema = self._schemas.get(record.schema_id)
             if schema is None and record.schema_id != 0:
-                # Nothing of it can be decoded: it may be described whole elsewhere.
+                # It cannot be decoded without its schema; another part of the file may have both.
                 return
             name, encoding, text = schema or ('', '', '')
             channel = RecordedChannel(
@@ -206,12 +205,12 @@ class Catalogue:
                 qos=record.metadata.get('offered_qos_profiles', ''),
                 type_hash=record.metadata.get('topic_type_hash', ''),
             )
-            # A description is repeated in a file: messages share the first one.
+            # Keep the first object when a description is repeated: all messages share it.
             if self.channels.get(record.id) != channel:
                 self.channels[record.id] = channel
 
     def channel(self, identity: int, cdr: bytes) -> RecordedChannel | None:
-        """Return the channel of a message, for whose content see ``candidates``."""
+        """Return the channel of a message with content ``cdr``; None if it cannot be found."""
         found = self.channels.get(identity)
         if found is None and identity not in self._unknown:
             found = self._found_elsewhere(identity) or self._found_by_content(identity, cdr)
@@ -232,7 +231,7 @@ class Catalogue:
         return None
 
     def _found_by_content(self, identity: int, cdr: bytes) -> RecordedChannel | None:
-        """Return the only candidate as whose type the message can be read to its last byte."""
+        """Return the candidate whose type fits the message to the last byte, if only one does."""
         if len(self._unknown) > MOST_TRIED:
             return None
         known = {channel.topic for channel in self.channels.values()}
@@ -249,16 +248,16 @@ class Catalogue:
 
 def own_definitions(chunks: Chunks) -> Iterator[Catalogue]:
     """
-    Yield what a file says of its channels: in its summary, then anywhere in it.
+    Yield catalogues of the channels of a file: from its summary, then from the whole file.
 
-    What that costs is left less for its messages.
+    The work for this reduces the limit that is left for the messages.
     """
     catalogue = Catalogue(chunks)
     try:
         for raw, data in summary_records(chunks.file, chunks.size, DEFINITIONS):
             catalogue.learn(raw.opcode, data, raw.offset)
     except BrokenRecording:
-        # What has been read of it serves nevertheless.
+        # Use the part of the summary that could be read.
         pass
     yield catalogue
     catalogue = Catalogue(chunks)
@@ -274,7 +273,7 @@ def own_definitions(chunks: Chunks) -> Iterator[Catalogue]:
         except SpentRecording:
             break
         except BrokenRecording:
-            # It is reported when the messages are read.
+            # Damage is reported when the messages are read.
             continue
     yield catalogue
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The chunks of one MCAP file: unpacked, stepped through, their cost bounded."""
+"""Unpack the chunks of one MCAP file and step through their records at a bounded cost."""
 
 from __future__ import annotations
 
@@ -22,34 +22,35 @@ if TYPE_CHECKING:
 LARGEST_CHUNK = 128 * 1024 * 1024
 """Largest chunk after unpacking, bytes."""
 MOST_UNPACKED, UNPACKED_PER_BYTE = 8 * 1024**3, 192
-"""Most bytes that the chunks of a file unpack to, 0.2 to 0.33 s for each GB, and how many more for
-each of its bytes: a file of 100 MB takes 10 s at most. Zeros in our blocks pack at 67 to 315
-times."""
+"""Limit of the unpacked bytes of all chunks: a constant, and the number added for each byte of the
+file. Unpacking takes 0.2 to 0.33 s per GB, so a file of 100 MB takes 10 s at most. Blocks of zeros
+are compressed 67 to 315 times."""
 LARGE, FRESH = 16 * 1024 * 1024, 4
-"""Size of a chunk from which on each takes new memory, bytes, and how often its bytes count: the
-system takes three times as long to give that memory as unpacking takes to fill it."""
+"""Chunks above this size (bytes) are unpacked into new memory, and their bytes count this many
+times: the system takes three times as long to provide the memory as unpacking takes to fill it."""
 MOST_MESSAGES, BYTES_PER_MESSAGE = 1_000_000, 4
-"""Most messages in the chunks of a file, and for how many of its bytes one more: the index that
-others write takes 16 bytes a message."""
+"""Limit of the messages in all chunks: a constant, and one more for this many bytes of the file.
+The index that other recorders write takes 16 bytes a message."""
 MOST_WORK, BYTES_PER_WORK = 1_000_000, 20
-"""Most work besides messages, and for how many bytes of the file one more: about 1 us each."""
+"""Limit of the work besides messages, in units of about 1 us: a constant, and one more for this
+many bytes of the file."""
 CHUNK, NEW_DESCRIPTION, MESSAGE = 60, 20, 30
-"""Work that a chunk without messages and a new schema or channel make, and that a message
-allows."""
+"""Units of work: cost of a chunk without messages, cost of a new schema or channel, and credit for
+each message."""
 OCTETS = 1024
-"""Bytes of a record that make as much work as the record itself."""
+"""Bytes of a record that cost one more unit of work."""
 
 
 class SpentRecording(BrokenRecording):
-    """A file that costs more than one of its size may: nothing more of it is read."""
+    """The file costs more than its size allows; reading stops here."""
 
 
 class Chunks:
     """
-    Unpack the chunks of a file within what a file of its size may cost.
+    Unpack the chunks of a file within limits that grow with the size of the file.
 
-    A chunk of some kB unpacks to millions of records. Bounds of one chunk alone would let a small
-    file of many chunks keep its reader busy for hours.
+    A chunk of a few kB can unpack to millions of records. With a limit for each chunk only, a
+    small file of many chunks could keep its reader busy for hours.
     """
 
     def __init__(self, file: BinaryIO, size: int) -> None:
@@ -67,9 +68,9 @@ class Chunks:
         Raises
         ------
         SpentRecording
-            If the chunks of the file unpack to more than they may.
+            If the chunks of the file unpack to more than the limit.
         BrokenRecording
-            If the chunk is damaged (CRC, sizes) or larger than ``LARGEST_CHUNK``.
+            If the chunk is damaged (wrong CRC or size) or larger than ``LARGEST_CHUNK``.
 
         """
         chunk = parse(Opcode.CHUNK, content(self.file, raw), raw.offset)
@@ -89,12 +90,12 @@ class Chunks:
 
     def records(self, data: bytes, offset: int) -> Iterator[tuple[int, int, int]]:
         """
-        Step over the records of an unpacked chunk: opcode, first byte, length.
+        Yield opcode, first byte and length of each record of an unpacked chunk.
 
         Raises
         ------
         SpentRecording
-            If the chunks of the file hold more than they may.
+            If the chunks of the file hold more records than the limit.
         BrokenRecording
             If the chunk ends inside a record.
 
@@ -114,7 +115,7 @@ class Chunks:
             yield opcode, at, length
             at += length
         if messages:
-            # Slow topics have a chunk for each message: that is what a recorder makes.
+            # Recorders write one chunk for each message of a slow topic: that is no excess.
             self._work += CHUNK + MESSAGE * messages
         self._messages -= messages
         if self._messages < 0:
@@ -124,23 +125,23 @@ class Chunks:
             raise BrokenRecording(msg, offset)
 
     def work(self, offset: int, amount: int) -> None:
-        """Take note of work besides messages."""
+        """Subtract work besides messages from the limit."""
         self._work -= amount
         if self._work < 0:
             self.refuse(offset, 'it has too many records besides messages')
 
     def refuse(self, offset: int, reason: str) -> NoReturn:
-        """Read nothing more: raise a SpentRecording."""
+        """Stop reading: raise a SpentRecording."""
         msg = f'nothing is read from byte {offset} on: {reason}'
         raise SpentRecording(msg, offset, self.size - offset)
 
 
 def _unpack(chunk: Chunk, offset: int, unpacker: zstandard.ZstdDecompressor) -> bytes:
-    """Unpack a chunk: at most as many bytes as it states are ever held, and checked."""
+    """Unpack a chunk and check it; at most the stated number of bytes is held in memory."""
     size = chunk.uncompressed_size
     try:
         if chunk.compression == 'zstd':
-            # It takes what the frame states, whatever it is allowed.
+            # zstandard allocates the size stated in the frame, whatever max_output_size is.
             if zstandard.frame_content_size(chunk.data) > size:
                 msg = f'it states more than {size} bytes'
                 raise ValueError(msg)

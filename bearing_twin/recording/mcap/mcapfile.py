@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Records of one MCAP file, read within stated bounds whatever the file claims.
+Read the records of one MCAP file within fixed limits, whatever lengths the file states.
 
-The records are those of the MCAP specification (https://mcap.dev/spec). Those with texts and
-tables are parsed by the mcap package. Walking the file, unpacking chunks and the heads of messages
-are done here: a reader of files from outside must neither believe a length that the file states,
-nor unpack without a limit, nor hold an object for each of millions of records.
+The MCAP specification (https://mcap.dev/spec) defines the records. The mcap package parses records
+of texts and tables. This room itself walks through the file, unpacks chunks and reads message
+heads: a file from outside may be hostile, so its stated lengths are not trusted, unpacking is
+limited, and no object is kept for each of millions of records.
 """
 
 from __future__ import annotations
@@ -37,17 +37,18 @@ if TYPE_CHECKING:
 
 MAGIC = b'\x89MCAP0\r\n'
 LAST_OFFSET = 2**63 - 1
-"""Last byte that a file may have."""
+"""Last possible byte of a file."""
 LARGEST_RECORD = 128 * 1024 * 1024
 """Largest record that is read into memory, bytes."""
 LARGEST_TABLE = 4 * 1024 * 1024
-"""Largest record that consists of texts and tables, bytes: each entry becomes objects."""
+"""Largest record of texts and tables, bytes: each entry becomes several objects."""
 RECORD_HEAD = struct.Struct('<BQ')
 MESSAGE_HEAD = struct.Struct('<HIQQ')
 CHUNK_HEAD = struct.Struct('<QQQII')
 """Start, end, unpacked size, CRC, length of the name of the compression."""
 FAULTS = (McapError, struct.error, ValueError, OverflowError, EOFError, RuntimeError, TypeError)
-"""What parsing damaged bytes raises: UnicodeDecodeError is a ValueError, lz4's a RuntimeError."""
+"""Exceptions from parsing damaged bytes; UnicodeDecodeError is a ValueError, lz4 raises
+RuntimeError."""
 
 PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.HEADER: Header.read,
@@ -62,7 +63,7 @@ BULKY = (Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE)
 
 
 class BrokenRecording(BearingTwinError):
-    """Bytes that are no MCAP: ``length`` of them are lost from ``offset`` on."""
+    """The file is damaged: ``length`` bytes from ``offset`` on are lost."""
 
     def __init__(self, text: str, offset: int, length: int = 0) -> None:
         super().__init__(text)
@@ -71,11 +72,11 @@ class BrokenRecording(BearingTwinError):
 
 
 class UnfinishedRecording(BrokenRecording):
-    """A recording whose end is missing; what is complete can be recovered."""
+    """The end of the recording is missing; the complete records can be recovered."""
 
 
 class RawRecord(NamedTuple):
-    """A record as it lies in the file."""
+    """Position, kind and length of a record in the file."""
 
     offset: int
     opcode: int
@@ -94,12 +95,12 @@ class RawRecord(NamedTuple):
 
 def refuse_special(path: Path) -> None:
     """
-    Refuse pipes, sockets and devices: opening one may wait forever, reading one never end.
+    Refuse pipes, sockets and devices: opening or reading one may never end.
 
     Raises
     ------
     BrokenRecording
-        If the path is there and is neither a file nor a folder, or leads there.
+        If the path, or the target of a link, exists and is neither a file nor a folder.
 
     """
     if path.exists() and not path.is_file() and not path.is_dir():
@@ -108,7 +109,7 @@ def refuse_special(path: Path) -> None:
 
 
 def check_magic(file: BinaryIO) -> None:
-    """Refuse a file that does not begin as an MCAP file does."""
+    """Refuse a file that does not begin with the MCAP magic bytes."""
     head = read_at(file, 0, len(MAGIC))
     if head != MAGIC:
         reason = 'does not begin with the MCAP magic bytes'
@@ -125,7 +126,7 @@ def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
     Raises
     ------
     BrokenRecording
-        If the disk cannot read them, or no file has such bytes.
+        If the disk cannot read them, or no file can have such an offset.
 
     """
     if length < 0 or offset > LAST_OFFSET:
@@ -141,14 +142,14 @@ def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
 
 def record_at(file: BinaryIO, offset: int, stop: int) -> RawRecord:
     """
-    Return the record that begins at a byte.
+    Return the record that begins at ``offset``; the readable bytes end at ``stop``.
 
     Raises
     ------
     UnfinishedRecording
-        If the bytes end inside it.
+        If the bytes end inside the record.
     BrokenRecording
-        If none begins there.
+        If no record begins there.
 
     """
     head = read_at(file, offset, min(RECORD_HEAD.size, stop - offset))
@@ -166,14 +167,14 @@ def record_at(file: BinaryIO, offset: int, stop: int) -> RawRecord:
 
 
 def read_record(file: BinaryIO, raw: RawRecord) -> McapRecord | None:
-    """Parse one record; None for a kind that nobody here needs."""
+    """Parse one record; return None for a kind that no reader needs."""
     if raw.opcode not in PARSERS:
         return None
     return parse(raw.opcode, content(file, raw), raw.offset)
 
 
 def content(file: BinaryIO, raw: RawRecord) -> bytes:
-    """Return the bytes of a record."""
+    """Return the bytes of a record, without its head."""
     limit = LARGEST_RECORD if raw.opcode in BULKY else LARGEST_TABLE
     if raw.length > limit:
         msg = f'the record at byte {raw.offset} has {raw.length} bytes; limit {limit}'
@@ -182,7 +183,7 @@ def content(file: BinaryIO, raw: RawRecord) -> bytes:
 
 
 def message_head(data: bytes, at: int, length: int, offset: int) -> tuple[int, int, int]:
-    """Return channel, log and publish time of a message; its bytes follow ``MESSAGE_HEAD``."""
+    """Return channel number, log time and publish time (ns) of a message; its content follows."""
     if length < MESSAGE_HEAD.size:
         msg = f'the message record at byte {offset} is damaged: it has {length} bytes'
         raise BrokenRecording(msg, offset)
@@ -196,7 +197,7 @@ def parse(opcode: int, content: bytes, offset: int) -> McapRecord:
 
 
 def parse_from(stream: ReadDataStream, opcode: int, offset: int) -> McapRecord:
-    """Parse a record out of a stream, which then counts its bytes; raises as :func:`parse`."""
+    """Parse a record from a stream, which counts its bytes; raises as :func:`parse`."""
     try:
         return PARSERS[opcode](stream)
     except FAULTS as error:

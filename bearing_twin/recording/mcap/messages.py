@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages out of the records of one MCAP file, in time order or in file order."""
+"""Read the messages of one MCAP file in time order or in file order."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
 EXTRAS = (Opcode.ATTACHMENT, Opcode.METADATA)
 MOST_MERGED = 256 * 1024 * 1024
-"""Most bytes of overlapping chunks that are held to put messages in order."""
+"""Most bytes of overlapping chunks that are held to sort messages by time."""
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Which messages are wanted; times in ns, ``end`` excluded."""
+    """Selection of messages by topic and log time; times in ns, ``end`` excluded."""
 
     topics: Collection[str] | None = None
     start: int | None = None
@@ -62,7 +62,7 @@ class Selection:
 
 
 def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[RecordedMessage]:
-    """Read by the index, in the order of log time; without an index in the order of the file."""
+    """Yield messages by the index in order of log time; without an index in file order."""
     check_magic(file)
     chunks = Chunks(file, size)
     catalogue = Catalogue(chunks)
@@ -79,7 +79,7 @@ def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[Record
         yield from in_file_order(file, size, keep)
         return
     waiting = [place for place in places[::-1] if keep.overlaps(int(place[0]), int(place[1]))]
-    # Chunks that overlap the current time; their place breaks ties of log time.
+    # Chunks that overlap the current time; equal log times are ordered by position in the file.
     heap: list[tuple[int, int, _OpenChunk]] = []
     held = 0
     while heap or waiting:
@@ -103,7 +103,7 @@ def in_time_order(file: BinaryIO, size: int, keep: Selection) -> Iterator[Record
 
 
 class _OpenChunk:
-    """An unpacked chunk whose messages are given out in the order of their log time."""
+    """An unpacked chunk that returns its messages in order of log time."""
 
     def __init__(
         self, chunks: Chunks, offset: int, length: int, catalogue: Catalogue, keep: Selection
@@ -159,20 +159,20 @@ def in_file_order(
     extra: Callable[[RawRecord, bytes], None] | None = None,
 ) -> Iterator[RecordedMessage]:
     """
-    Read from front to back.
+    Yield the messages in the order of the file.
 
     Parameters
     ----------
     file, size
         The file and its size, bytes.
     keep
-        What is wanted of it.
+        Messages to yield.
     damaged
-        Told of what is broken, which is stepped over; None: raise instead.
+        Called with each error; the damaged part is skipped. With None the error is raised.
     candidates
         Channels to try for a message whose channel description is lost.
     extra
-        Takes the attachments and metadata on the way.
+        Called with each attachment and metadata record.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def in_file_order(
     lost: dict[int, tuple[int, int]] = {}
 
     def described(identity: int, cdr: bytes, offset: int) -> RecordedChannel | None:
-        """Return the channel of a message, wherever it is described; count what has none."""
+        """Return the channel of a message from any part of the file; count it if there is none."""
         channel = catalogue.channel(identity, cdr)
         if channel is None:
             if damaged is None:
@@ -223,7 +223,7 @@ def in_file_order(
                 damaged(error)
                 break
             damaged(BrokenRecording(str(error), raw.offset, raw.end - raw.offset))
-        # Else the next chunk would be unpacked beside this one and its last message.
+        # Free the chunk and its last message before the next one is unpacked.
         data = cdr = b''
     if damaged is not None:
         for topic in catalogue.guessed.values():

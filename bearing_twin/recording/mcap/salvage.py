@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The sound records of one MCAP file, front to back; damage is stepped over if asked."""
+"""Read the sound records of one MCAP file from front to back; skip damaged parts if asked."""
 
 from __future__ import annotations
 
@@ -37,49 +37,50 @@ if TYPE_CHECKING:
 BLOCK = 4 * 1024 * 1024
 """Bytes that are searched at a time."""
 SECTOR = 4096
-"""Bytes that are given up where the disk cannot read one of them."""
+"""Bytes that are skipped if the disk cannot read one of them."""
 CHUNK = re.compile(rb'\x06(?=.{5}\0\0\0.{28}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0))', re.DOTALL)
-"""Where a chunk may begin: its opcode, a length below 2^40, a compression that is known."""
+"""Possible begin of a chunk: its opcode, a length below 2^40, a known compression."""
 EITHER = re.compile(rb'[\x05\x06](?=.{5}\0\0\0)', re.DOTALL)
-"""Where a chunk or, in a file without chunks, a message may begin."""
+"""Possible begin of a chunk or, in a file without chunks, of a message."""
 CHUNK_FIXED = CHUNK_HEAD.size + 8
-"""Bytes of the content of a chunk besides the name of its compression and its data."""
+"""Bytes of the content of a chunk without the name of its compression and its data."""
 LONGEST_NAME = 16
-"""Of a compression, bytes."""
+"""Longest name of a compression, bytes."""
 LONGEST_HEAD = RECORD_HEAD.size + CHUNK_FIXED + LONGEST_NAME
 ATTEMPT = 1024
-"""What looking at one place costs of the bytes that may be read in vain."""
+"""Bytes that each tested position costs of the limit of a search."""
 LENGTHS = {Opcode.FOOTER: 20, Opcode.DATA_END: 4, Opcode.SUMMARY_OFFSET: 17}
-"""Lengths of records that have but one."""
+"""Lengths of the records of fixed length, bytes."""
 TABLES = (Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
 IDLE = (
     *(Opcode.ATTACHMENT_INDEX, Opcode.CHUNK_INDEX, Opcode.DATA_END, Opcode.METADATA_INDEX),
     Opcode.STATISTICS,
 )
-"""Kinds that agree with their length, whatever is inside."""
+"""Kinds whose length cannot be checked by their content."""
 REPEATABLE = (*TABLES, Opcode.ATTACHMENT)
-"""Kinds that tell nothing new when they come again; an empty chunk does not either."""
+"""Kinds whose exact repetitions are skipped; so are those of an empty chunk."""
 MOST_REMEMBERED = 1000
 MOST_TABLES, BYTES_PER_TABLE = 20_000, 2000
-"""Most of them outside of chunks that are read one by one, and for how many bytes one more."""
+"""Limit of repeatable records outside chunks that are read one by one: a constant, and one more
+for this many bytes of the file."""
 LENGTH = struct.Struct('<I')
 SHORT = 4096
-"""Idle records up to this length are stepped over together."""
+"""Longest idle record and message that is handled together with others, bytes."""
 PRIVATE = 0x80
-"""Opcodes from here on are free for anybody's use."""
+"""First opcode that is free for private use."""
 STEPPED_OVER = {*IDLE, *range(PRIVATE, 256)}
 """Kinds whose content no reader uses."""
 
 
 def open_mcap(path: Path) -> BinaryIO:
     """
-    Open an MCAP file, which may be damaged anywhere.
+    Open an MCAP file; it may be damaged anywhere.
 
     Raises
     ------
     BrokenRecording
-        If it cannot be opened, or does not begin as an MCAP file does and holds no sound chunk
-        or message either.
+        If it cannot be opened, or if it has neither the MCAP magic bytes nor a sound chunk or
+        message.
 
     """
     refuse_special(path)
@@ -109,18 +110,18 @@ def sound_records(
     """
     Yield the records of the wanted kinds with their content.
 
-    That of a chunk is unpacked. Of a message it is the record itself and, of short ones, those of
-    the messages that follow it: records to step through, as those of a chunk.
+    The content of a chunk is unpacked. For a message the content is the whole record; short
+    messages that follow it are yielded together, as records to step through like those of a chunk.
 
     Parameters
     ----------
     chunks
-        The file, with what its chunks may still cost.
+        The file and the remaining limits for its chunks.
     wanted
         Opcodes.
     damaged
-        Told of each stretch that is stepped over, from where a record cannot be read to the next
-        one that can; None: raise instead.
+        Called with each skipped part, from a record that cannot be read to the next one that can.
+        With None the error is raised.
 
     Raises
     ------
@@ -142,7 +143,7 @@ def sound_records(
             following = search.sound_from(offset)
             kind = BrokenRecording if following < size else type(found)
             damaged(kind(str(found), offset, following - offset))
-            # Nothing can begin at the end.
+            # No record begins at the end of the file: leave the loop.
             offset = following if following < size else size + 1
             continue
         raw, data = found
@@ -162,7 +163,7 @@ def sound_records(
                 for run, records in search.messages_behind(raw):
                     yield run, records
                     end = run.end
-            # As what reads them does: the next chunk is not unpacked beside this one.
+            # Free the chunk before the next one is unpacked, as in_file_order does.
             del found, data
         offset = end
 
@@ -170,7 +171,7 @@ def sound_records(
 def _record(
     search: _Search, offset: int, wanted: Collection[int], *, strict: bool
 ) -> tuple[RawRecord, bytes | None] | BrokenRecording:
-    """Return the record at a byte, with its content if it is wanted; or why it cannot be read."""
+    """Return the record at ``offset`` and, if wanted, its content; or the error as a value."""
     file, size = search.file, search.size
     try:
         if not offset:
@@ -209,7 +210,7 @@ def _check_end(file: BinaryIO, raw: RawRecord, size: int) -> None:
 
 
 class _Search:
-    """Find where sound records begin; what it reads in vain is bounded."""
+    """Find the next sound record after damage; the number of bytes read for this is limited."""
 
     def __init__(self, chunks: Chunks) -> None:
         self.chunked = False
@@ -223,9 +224,9 @@ class _Search:
 
     def consistent(self, raw: RawRecord) -> bool:
         """
-        Whether the length of a record agrees with the lengths inside.
+        Return whether the length of a record agrees with the lengths in its content.
 
-        A damaged one would lead over sound records to the middle of another.
+        A wrong length would skip sound records and lead into the middle of another one.
         """
         if not (raw.opcode <= Opcode.DATA_END or raw.opcode >= PRIVATE):
             return False
@@ -244,18 +245,18 @@ class _Search:
         if raw.opcode in TABLES:
             stream = ReadDataStream(BytesIO(content(self.file, raw)))
             parse_from(stream, raw.opcode, raw.offset)
-            # Later versions of the format may have more at the end.
+            # Later versions of the format may add fields at the end.
             rest = raw.begin + stream.count
             return rest == raw.end or not self._plausible(rest)
         return True
 
     def end_of_run(self, raw: RawRecord) -> tuple[int, int]:
         """
-        Return where the idle records end that follow ``raw``, and their bytes of private kinds.
+        Return the end of the idle records that follow ``raw``, and their bytes of private kinds.
 
-        Idle are kinds whose content no reader uses, and what has been read before, byte for
-        byte. Millions of them are a small file: one by one they would take minutes. After
-        ``MOST_TABLES`` every text and table is idle.
+        Idle records are kinds whose content no reader uses, and exact repetitions of records. A
+        small file can hold millions of them, which would take minutes one by one. After
+        ``MOST_TABLES`` all repeatable records are idle.
         """
         end, private = raw.end, 0
         self._tables -= raw.opcode in REPEATABLE
@@ -263,7 +264,7 @@ class _Search:
         told_again = raw.opcode in REPEATABLE or raw.length == CHUNK_FIXED
         if told_again and len(self._read_before) < MOST_REMEMBERED:
             self._read_before.add(read_at(self.file, raw.offset, end - raw.offset))
-        # Most records have no like behind them: look ahead only as far as it pays.
+        # Most records are not followed by idle ones: begin with a short look ahead.
         room = 2 * (raw.end - raw.offset)
         while end < self.size:
             block = read_at(self.file, end, room)
@@ -274,7 +275,7 @@ class _Search:
                 if length > SHORT or end + at + step > self.size:
                     return end + at, private
                 if at and at + step > len(block):
-                    # It goes on in the next block.
+                    # The record continues in the next block.
                     break
                 if opcode not in idle and block[at : at + step] not in self._read_before:
                     entries = block[at + RECORD_HEAD.size + 2 : at + RECORD_HEAD.size + 6]
@@ -293,18 +294,18 @@ class _Search:
 
     def messages_behind(self, raw: RawRecord) -> Iterator[tuple[RawRecord, bytes]]:
         """
-        Yield the records of the short messages that follow one, many at a time.
+        Yield the short messages that directly follow ``raw``, many records at a time.
 
         Read one by one, millions of messages without chunks take twice as long.
         """
-        # Most files have chunks: look ahead only as far as it pays.
+        # Most files have chunks instead: begin with a short look ahead.
         end, room = raw.end, 4 * (raw.end - raw.offset)
         unpack, other = RECORD_HEAD.unpack_from, False
         while True:
             try:
                 block = read_at(self.file, end, min(room, self.size - end))
             except BrokenRecording:
-                # A bad sector: what lies before it is read one by one.
+                # A bad sector: the messages before it are read one by one.
                 return
             at, last = 0, len(block) - RECORD_HEAD.size
             while at <= last:
@@ -321,9 +322,9 @@ class _Search:
             room = min(8 * room, BLOCK)
 
     def sound_from(self, offset: int) -> int:
-        """Return where to go on after what is damaged at ``offset``: the end, at last."""
+        """Return the next sound record after damage at ``offset``; the file size if none."""
         if not offset and self.size > len(MAGIC) and self._fitting(len(MAGIC)) is not None:
-            # Nothing but the magic bytes is.
+            # Only the magic bytes are damaged.
             return len(MAGIC)
         try:
             raw = record_at(self.file, offset, self.size)
@@ -331,7 +332,7 @@ class _Search:
             if self.consistent(raw) and raw.opcode != Opcode.FOOTER and self._plausible(raw.end):
                 return raw.end
         except BrokenRecording:
-            # Then it does not even say where it ends.
+            # The end of the damaged record is unknown: search.
             pass
         pattern, fits = (CHUNK, self._is_chunk) if self.chunked else (EITHER, self._is_any)
         at = offset + 1
@@ -349,7 +350,7 @@ class _Search:
         try:
             return read_at(self.file, at, length)
         except BrokenRecording:
-            # Nothing begins in a bad sector, but beside it.
+            # Read the sectors beside the bad one; replace the bad one by zeros.
             if length <= SECTOR:
                 return bytes(length)
             return self._read(at, length // 2) + self._read(at + length // 2, -(-length // 2))
@@ -362,7 +363,7 @@ class _Search:
         return raw is not None and raw.opcode == Opcode.CHUNK
 
     def _is_message(self, offset: int) -> bool:
-        """Whether a message and two further records follow one another from here."""
+        """Return whether three consistent records follow one another from here."""
         for _ in range(3):
             raw = self._fitting(offset)
             if raw is None:
@@ -382,7 +383,7 @@ class _Search:
             return None
 
     def _attachment_length(self, raw: RawRecord) -> int:
-        """Length by the lengths of name, media type and data; -1 if they lead out of it."""
+        """Return the length by those of name, media type and data; -1 if it is too large."""
         at = 16
         for size in ('<I', '<I', '<Q'):
             head = read_at(self.file, raw.begin + at, struct.calcsize(size))
@@ -393,7 +394,7 @@ class _Search:
 
 
 def _chunk_length(head: bytes) -> int:
-    """Length of a chunk by the lengths inside; -1 if there are none."""
+    """Return the length of a chunk by the lengths in its head; -1 if they are damaged."""
     if len(head) < CHUNK_FIXED:
         return -1
     name = CHUNK_HEAD.unpack_from(head)[-1]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Message schemas as a ROS 2 recording carries them: text with dependencies, and type hash."""
+"""Message schemas of ROS 2 recordings: text with dependencies, and type hash."""
 
 from __future__ import annotations
 
@@ -36,25 +36,25 @@ class MessageSchema:
     type_name: str
     """``pkg/msg/Type``."""
     text: str
-    """The ``.msg`` text, followed by those of its dependencies (encoding ``ros2msg``)."""
+    """The ``.msg`` text, followed by the texts of its dependencies (encoding ``ros2msg``)."""
     type_hash: str
     """``RIHS01_...`` of REP 2016."""
     encoding: str = 'ros2msg'
-    """Of the text."""
+    """Encoding of the text."""
 
 
 @cache
 def message_schema(type_name: str) -> MessageSchema:
     """
-    Find the schema of a message type.
+    Return the schema of a message type.
 
-    The ``.msg`` files of the installed packages are taken, comments included; without ROS those of
-    this project and, for the common packages of ROS 2, the definitions that rosbags carries.
+    The text comes from the ``.msg`` files of the installed packages, with comments. Without ROS it
+    comes from the files of this project and, for common packages of ROS 2, from rosbags.
 
     Raises
     ------
     BearingTwinError
-        If the type or one of its dependencies is not known.
+        If the type or one of its dependencies is unknown.
 
     """
     texts: dict[str, str] = {}
@@ -68,7 +68,7 @@ def message_schema(type_name: str) -> MessageSchema:
 
 @lru_cache(maxsize=256)
 def store_from_text(type_name: str, text: str) -> Typestore:
-    """Return a type store that decodes ``type_name`` as the embedded schema ``text`` says."""
+    """Return a type store that decodes ``type_name`` by the embedded schema ``text``."""
     if len(text) > LONGEST_SCHEMA:
         msg = f'the schema of {type_name} has {len(text)} characters; at most {LONGEST_SCHEMA}'
         raise BearingTwinError(msg)
@@ -77,7 +77,7 @@ def store_from_text(type_name: str, text: str) -> Typestore:
         store.register(get_types_from_msg(text, type_name))
         store.get_msgdef(type_name)
     except Exception as error:
-        # The text comes from a file: rosbags raises many kinds on one that is damaged.
+        # rosbags raises exceptions of many types if the text is damaged.
         msg = f'the schema of {type_name} cannot be read ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
     return store
@@ -86,10 +86,10 @@ def store_from_text(type_name: str, text: str) -> Typestore:
 @lru_cache(maxsize=256)
 def type_conflict(type_name: str, text: str) -> str:
     """
-    Say in which field an embedded schema differs in kind from the type that this version knows.
+    Return the first field whose kind differs between an embedded schema and the known type.
 
-    Whoever reads a field relies on a number, a text, a list or a message being one. Fields that
-    are missing or new are no conflict, nor are other widths of numbers; '' where there is none.
+    The kinds are number, text, list and message; readers of a field rely on its kind. Missing or
+    new fields and other widths of numbers are no conflict. The result is '' without a conflict.
     """
     try:
         known = store_from_text(type_name, message_schema(type_name).text).fielddefs
@@ -106,9 +106,9 @@ def type_conflict(type_name: str, text: str) -> str:
 
 def other_version(type_name: str, text: str) -> str:
     """
-    Say in which fields a type was recorded with another definition than this version's.
+    Return the fields in which a recorded type differs from the definition of this version.
 
-    '' where the fields are the same, or this version does not know the type.
+    The result is '' if the fields are the same, or if this version does not know the type.
     """
     try:
         known = store_from_text(type_name, message_schema(type_name).text).fielddefs[type_name][1]
@@ -140,14 +140,14 @@ def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:
     """
     Return a serialised message with the padding between its fields set to zero.
 
-    CDR aligns numbers to their size. Fast CDR leaves the bytes in between as they happen to be in
-    memory, so that equal messages differ there; they carry nothing.
+    CDR aligns numbers to their size. Fast CDR does not initialise the bytes in between, so equal
+    messages may differ there. These bytes have no meaning.
     """
     store = store_from_text(type_name, text)
     try:
         return bytes(store.serialize_cdr(store.deserialize_cdr(cdr, type_name), type_name))
     except Exception as error:
-        # rosbags raises many kinds on damaged bytes.
+        # rosbags raises exceptions of many types if the bytes are damaged.
         msg = f'a {type_name} is damaged ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
 
@@ -158,7 +158,7 @@ def _short(type_name: str) -> str:
 
 
 def _collect(type_name: str, texts: dict[str, str], store: Typestore) -> None:
-    """Add a type's text and those of its dependencies, each once, in order of first use."""
+    """Add the texts of a type and its dependencies, each once, in order of first use."""
     if type_name in texts:
         return
     text = _own_text(type_name)
@@ -206,8 +206,8 @@ def _parts(type_name: str) -> tuple[str, str, str]:
 
 
 def shared_folders(package: str) -> list[Path]:
-    """Return where a package may have put its shared files, those of the ament index first."""
-    # A colcon workspace is in no Python prefix; the ament index names it.
+    """Return the possible share folders of a package, those of the ament index first."""
+    # A colcon workspace is not in the Python prefix; only the ament index names it.
     listed = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
     return [Path(prefix) / 'share' / package for prefix in (*listed, sys.prefix) if prefix]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The summary section at the end of a finished MCAP file: checked by its CRC, believed in part."""
+"""Read the summary section at the end of a finished MCAP file; check CRC and chunk index."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ INDEX_HEAD = struct.Struct('<QQQQ')
 BLOCK = 1024 * 1024
 """Bytes that are read at a time."""
 MOST_RECORDS, BYTES_PER_RECORD = 100_000, 20
-"""Most records of a summary, and for how many of its bytes one more: the shortest that says
-something, a schema without a name, takes 23."""
+"""Limit of the records of a summary: a constant, and one more for this many bytes of the summary.
+The shortest useful record, a schema without a name, takes 23 bytes."""
 
 
 def summary_place(file: BinaryIO, size: int) -> tuple[int, int]:
     """
-    Return first and last byte of the summary section of a finished file; the same: it has none.
+    Return first byte and end of the summary section of a finished file; equal if it has none.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def summary_records(
             msg = 'the summary has too many records for its size: it is not used'
             raise BrokenRecording(msg, at)
         if not place:
-            # Longer than a block, or none.
+            # The record is longer than a block, or damaged.
             raw = record_at(file, at, stop)
             if raw.opcode in wanted:
                 yield raw, content(file, raw)
@@ -111,7 +111,7 @@ def summary_records(
 
 def chunk_index(size: int, records: Iterable[tuple[RawRecord, bytes]]) -> NDArray[np.uint64]:
     """
-    Return the places of the chunks that a summary names.
+    Return times and positions of the chunks that a summary lists.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def chunk_index(size: int, records: Iterable[tuple[RawRecord, bytes]]) -> NDArra
     Raises
     ------
     BrokenRecording
-        If they are damaged, lie outside the file, or on one another.
+        If an entry is damaged, or its chunk lies outside the file or overlaps another one.
 
     """
     fields = array('Q')

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Columns of numbers in text files, as loggers and spreadsheets write them."""
+"""Read columns of numbers from text files of data loggers and spreadsheets."""
 
 from __future__ import annotations
 
@@ -18,47 +18,46 @@ if TYPE_CHECKING:
 
 
 HEAD = 100
-"""Lines in which the numbers must begin."""
+"""The numbers must begin within this many lines."""
 MOST_COLUMNS = 1000
 TIME = re.compile(r'(?:timestamp|time|zeit|t)(?![a-z\d])', re.IGNORECASE)
-"""Beginning of a heading of times."""
+"""Begin of the heading of a time column."""
 SECONDS = {
     **dict.fromkeys(('', 's', 'sec', 'secs', 'second', 'seconds', 'sekunden'), 1.0),
     **dict.fromkeys(('ms', 'msec', 'milliseconds'), 1e-3),
-    # The micro sign and the Greek letter look alike.
+    # The micro sign and the Greek letter mu look the same.
     **dict.fromkeys(('us', 'usec', 'µs', 'μs', 'microseconds'), 1e-6),
     'ns': 1e-9,
 }
-"""By the last word of such a heading."""
+"""Unit of a time column in s, by the last word of its heading."""
 SAID = re.compile(
     r'(?<![a-z])(fs|sampl(?:e|ing)[ _]?(?:rate|frequency)|rpm|unit|label|bearing_name)'
     r'[\])]?(?: ?[\[(]hz[\])])?\s*[=:,;]\s*([^,;\s]+)(?![^,;\s]|,\d)(?: ?(k|M)(?:Hz|S/s))?',
     re.IGNORECASE,
 )
-"""What the lines before the numbers say, and the prefix of a rate in kHz or MHz."""
+"""A key and its value in the lines before the numbers, and the prefix of kHz or MHz."""
 PREFIXES = {'': 1.0, 'k': 1e3, 'm': 1e6}
 QUOTED = re.compile(r'"([^"\n]*)"')
 AT_END = re.compile(r'[,;\t] *$', re.MULTILINE)
-"""A separator with nothing behind it."""
+"""A separator at the end of a line."""
 DIGITS = re.compile(r'(?<=\d),(?=\d)')
-"""A comma between two of them."""
+"""A comma between two digits."""
 DECIMAL = re.compile(r'([+-]?\d+,\d+\s+)*[+-]?\d+,\d+')
 UNIT = re.compile(r'[\[(](m/s\^?2|m/s²|g)[\])]')
 
 
 def read_csv(path: Path) -> dict[str, Any]:
     """
-    Read the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
+    Return the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
 
     A column of even times in s, ms, us or ns becomes ``fs``; ``fs = ...`` or ``Sampling rate:
     ...`` (Hz, kHz or MHz), ``rpm = ...`` before the numbers and a unit in brackets in a heading
-    are taken as well. Quotes around numbers and a separator at the end of a line are left out.
+    are read as well. Quotes around numbers and separators at line ends are ignored.
 
     Raises
     ------
     BearingTwinError
-        If there are no columns of numbers, or commas may be decimal ones as well as what parts
-        two columns.
+        If there are no columns of numbers, or if commas may be decimal commas or separators.
 
     """
     try:
@@ -68,7 +67,7 @@ def read_csv(path: Path) -> dict[str, Any]:
     except OSError as error:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None
-    # A comma in a quoted number is a decimal one.
+    # A comma in a quoted number is a decimal comma.
     text = QUOTED.sub(lambda field: field[1].replace(',', '.'), text)
     if AT_END.search(text[:100_000]):
         text = AT_END.sub('', text)
@@ -78,7 +77,7 @@ def read_csv(path: Path) -> dict[str, Any]:
         msg = f'{path} has no line of numbers only among its first {HEAD} lines'
         raise BearingTwinError(msg)
     if separator != ',':
-        # A comma is then a decimal comma.
+        # With another separator, a comma is a decimal comma.
         text = text.replace(',', '.')
         head = [DIGITS.sub('.', line) for line in head]
     elif DECIMAL.fullmatch(text.strip()):
@@ -95,7 +94,7 @@ def read_csv(path: Path) -> dict[str, Any]:
             found['unit'] = np.array(unit[1])
     for name, column in zip(names, table.T, strict=True):
         time = TIME.match(name)
-        # T may be a temperature, T_1 one of several.
+        # A column T is a time only with a known unit and no digit: T or T_1 may be temperatures.
         known = _seconds(name) > 0.0 and not re.search(r'\d', name)
         if time and column.size > 1 and (len(time[0]) > 1 or known):
             scale = _seconds(name)
@@ -112,10 +111,10 @@ def read_csv(path: Path) -> dict[str, Any]:
 
 def _mean_step(column: NDArray[Any]) -> float:
     """
-    Return the mean step of printed times; NaN where they change too seldom to tell.
+    Return the mean step of printed times; NaN if they change too rarely to determine it.
 
-    Most single steps are rounded. Of times that stand still for several values the first and the
-    last stair are cut short, so that they are left out.
+    Most single steps are rounded. If several rows have the same time, the first and the last group
+    of equal times may be incomplete and are left out.
 
     >>> times = np.floor(np.arange(29000) / 12000.0)
     >>> round(1.0 / _mean_step(times), 3), _mean_step(times[:20000])
@@ -125,7 +124,7 @@ def _mean_step(column: NDArray[Any]) -> float:
     changes = np.flatnonzero(np.diff(column)) + 1
     if len(changes) == len(column) - 1:
         return float(column[-1] - column[0]) / (len(column) - 1)
-    # Where a stair begins is known to a value: a thousand of them make it 0.1 %.
+    # The begin of a group is known to one row: over 1000 rows the error is 0.1 %.
     if len(changes) < 2 or changes[-1] - changes[0] < 1000:
         return np.nan
     first, last = changes[[0, -1]]
@@ -134,7 +133,7 @@ def _mean_step(column: NDArray[Any]) -> float:
 
 def is_even(column: NDArray[Any]) -> bool:
     """
-    Whether an array rises or falls evenly, but for the digits to which its values are rounded.
+    Return whether an array rises or falls evenly, apart from the rounding of its values.
 
     Examples
     --------
@@ -144,20 +143,20 @@ def is_even(column: NDArray[Any]) -> bool:
 
     """
     values = column.ravel().astype(np.float64)
-    # Infinite or huge values are no times: numpy need not warn of them.
+    # Infinite or huge values are not times: suppress the warnings of NumPy.
     with np.errstate(over='ignore', invalid='ignore'):
         steps = np.diff(values)
         step = steps.mean()
         if not (step and np.all(steps * step >= 0.0)):
             return False
-    # Rounded values are a multiple of their last digit apart, and both ends of the line are such.
+    # Differences of rounded values are multiples of the last digit, and both ends are rounded.
     digit = np.abs(steps[steps != 0.0]).min()
     away = np.abs(values - values[0] - step * np.arange(len(values))).max()
     return bool(away <= 1.5 * max(digit, abs(step)))
 
 
 def _seconds(heading: str) -> float:
-    """Return the unit of a heading of times in s; NaN where it is not known."""
+    """Return the unit of a time column in s, by its heading; NaN if it is unknown."""
     words = re.findall(r'[^\W\d_]+', heading.lower())[1:]
     unit = next((word for word in reversed(words) if word != 'stamp'), '')
     return SECONDS.get(unit, np.nan)
@@ -168,7 +167,7 @@ def _fields(line: str, separator: str) -> list[str]:
 
 
 def _first_numbers(head: list[str]) -> tuple[int, str]:
-    """Return the first line that has numbers only, and what separates them."""
+    """Return the index of the first line of numbers only, and its separator; -1, '' if none."""
     for index, line in enumerate(head):
         for separator in ('\t', ';', ',', ' '):
             fields = [field.strip() for field in _fields(line, separator)]

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Data sets in the Parquet form of the PyPI package ``bearing-datasets``, layout versions 1 and 2.
+Read Parquet data sets of the PyPI package ``bearing-datasets``, layout versions 1 and 2.
 
-A folder holds ``metadata.parquet``, one row a signal (one channel of one recording), and
-``signals/``, whose files hold the samples of a signal in one row of one row group.
+A folder holds ``metadata.parquet`` with one row per signal (one channel of one recording), and
+``signals/`` with the samples: each signal is one row of one row group of a file.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ DatasetSignal = dict[str, Any]
 
 TABLE = 'metadata.parquet'
 LABELS = {'normal': 'healthy', 'rolling_element': 'ball', 'ball': 'ball'}
-"""Our words for fault types that are called otherwise."""
+"""Labels of this package for fault types that have other names in data sets."""
 RENAMED = {'condition': 'fault_type', 'rpm': 'speed_rpm'}
-"""Columns of layout version 1."""
+"""Columns of layout version 1, and their names in version 2."""
 VOLTS = {'V': 1.0, 'mV': 1e-3}
 VIBRATION = ('acceleration', 'velocity', 'displacement', 'sound_pressure', 'unknown')
 MOST_ROWS = 1_000_000
 
 
 def is_dataset(path: Path) -> bool:
-    """Whether a path is a folder in this form."""
+    """Return whether a path is the folder of a data set."""
     return (path / TABLE).is_file()
 
 
 def dataset_signals(path: Path) -> list[DatasetSignal]:
     """
-    Return the signals of a data set that can be vibration, in its order.
+    Return the metadata of the signals that can be vibration, in the order of the data set.
 
-    A signal whose speed changes has no ``speed_rpm``: one number says nothing about it.
+    A signal of varying speed has no ``speed_rpm``, because one number cannot describe it.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def dataset_signals(path: Path) -> list[DatasetSignal]:
 
     """
     table = path / TABLE
-    # Each signal asks for the table, and one of 17 000 signals takes 0.6 s.
+    # Cached: each signal needs the table, and reading one of 17 000 signals takes 0.6 s.
     return _signals(path, table.stat().st_mtime_ns if table.is_file() else 0)
 
 
@@ -71,7 +71,7 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
             f'{path / TABLE} has no column {", ".join(missing)}; was it made by bearing-datasets?'
         )
         raise BearingTwinError(msg)
-    # Times are not needed, and those in ns become Python's only through pandas.
+    # Times are not needed, and converting times in ns to Python objects would need pandas.
     plain = [
         name
         for name, field in zip(names, table.schema, strict=True)
@@ -89,7 +89,7 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
 
 
 def chosen_signals(path: Path, channel: str | None) -> list[DatasetSignal]:
-    """Return the signals of a set whose id holds each word of ``channel``; None: all of them."""
+    """Return the signals whose id contains each word of ``channel``; with None all signals."""
     signals, words = dataset_signals(path), (channel or '').casefold().split()
     found = [row for row in signals if all(w in str(row['signal_id']).casefold() for w in words)]
     if not found:
@@ -100,13 +100,13 @@ def chosen_signals(path: Path, channel: str | None) -> list[DatasetSignal]:
 
 
 def fault_label(row: DatasetSignal) -> str:
-    """Return what the data set says is wrong in our words; '' where they have none for it."""
+    """Return the fault stated by the data set as a label of this package; '' if it has none."""
     said = str(row.get('fault_type', ''))
     return LABELS.get(said, said if said in ('inner', 'outer', 'cage') else '')
 
 
 def dataset_bearing(row: DatasetSignal) -> Bearing | None:
-    """Return the bearing by the fault orders that a data set states; None where it states none."""
+    """Return the bearing by the four fault orders in the data set; None if one is missing."""
     said = [row.get(name) for name in ('bpfo', 'bpfi', 'bsf', 'ftf')]
     orders = [order for order in said if isinstance(order, float) and order > 0.0]
     if len(orders) < len(said):
@@ -117,11 +117,12 @@ def dataset_bearing(row: DatasetSignal) -> Bearing | None:
 
 def read_dataset_signal(path: Path, row: DatasetSignal) -> dict[str, Any]:
     """
-    Read one signal of a data set, and what the set says about it.
+    Return one signal of a data set and its description.
 
     Returns
     -------
-    ``x`` and what :func:`bearing_twin.recording.signals.foreign.read_signal` makes a signal of.
+    The samples ``x`` and the other entries that
+    :func:`bearing_twin.recording.signals.foreign.read_signal` uses.
 
     """
     name = Path(str(row['signal_file'])).name
@@ -149,7 +150,7 @@ def read_dataset_signal(path: Path, row: DatasetSignal) -> dict[str, Any]:
 
 
 def _physical(row: DatasetSignal) -> tuple[float, str]:
-    """Return factor and unit of the acceleration that the samples are; '' if that is not known."""
+    """Return factor and unit that turn the samples into acceleration; 1.0, '' if unknown."""
     unit, factor = str(row.get('unit', '')), 1.0
     said = re.fullmatch(r'(\d*\.?\d*) (m?V)/\(?([^()]+)\)?', str(row.get('sensitivity', '')))
     if said and unit in VOLTS and said[1].strip('0.'):
@@ -158,7 +159,7 @@ def _physical(row: DatasetSignal) -> tuple[float, str]:
 
 
 def _read(file: Path, action: Any) -> Any:
-    # Loaded when needed: half a second.
+    # Imported when needed: the import takes half a second.
     import pyarrow
     from pyarrow import parquet
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Vibration signals from files of other people: npz, mat, wav, csv, Parquet sets, MCAP recordings.
+Read vibration signals from other programs: npz, mat, wav, csv, Parquet sets, MCAP recordings.
 
-Nothing in a file is executed (npz and mat are read without pickle), nothing it claims is believed
-before memory is spent on it: reading takes at most about three times ``LARGEST_FILE``.
+No code in a file is executed (npz and mat are read without pickle). Stated sizes are checked
+before memory is allocated: reading takes at most about three times ``LARGEST_FILE``.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ MOST_SAMPLES = 100_000_000
 """Longest signal, samples (65 min at 25.6 kHz)."""
 
 SHORTEST = 64
-"""Samples of the shortest row that is a signal; of shorter ones the columns are the signals."""
+"""Samples of the shortest row that is a signal; in tables of shorter rows, columns are signals."""
 
 RATES = ('fs', 'sample_rate', 'sampling_rate', 'samplerate', 'sr', 'rate', 'freq')
 TEMPERATURES = ('temperature', 'temp_c')
@@ -49,27 +49,27 @@ SPEEDS = {'shaft_hz': 1.0, 'rpm': 1.0 / 60.0, 'speed_rpm': 1.0 / 60.0}
 
 @dataclass(frozen=True)
 class Signal:
-    """One channel of vibration without gaps, and what its file says about it."""
+    """One channel of vibration without gaps, and the description in its file."""
 
     x: NDArray[np.float64]
     """Samples, shape (n,)."""
     sample_rate: float
-    """Hz."""
+    """Sample rate, Hz."""
     shaft_hz: float
-    """Mean speed; NaN where the file does not say."""
+    """Mean shaft speed, Hz; NaN if the file does not state it."""
     speeds: NDArray[np.float64]
-    """Shaft speed at each sample, Hz, shape (n,); empty where it does not vary, or is unknown."""
+    """Shaft speed at each sample, Hz, shape (n,); empty if it is constant or unknown."""
     unit: str
-    """``'m/s^2'``, ``'g'``, another one, or '' where the file does not say."""
+    """Unit of ``x``: ``'m/s^2'``, ``'g'`` or another one; '' if the file does not state it."""
     bearing_name: str
     temperature: float
-    """degC; NaN where the file does not say."""
+    """Temperature, degC; NaN if the file does not state it."""
     label: str
-    """What the file says is wrong with the bearing; ''."""
+    """Fault of the bearing stated by the file; '' if none."""
     source: str
-    """File, channel and what was chosen in it."""
+    """File, chosen channel and remarks on the choice."""
     bearing: Bearing | None = None
-    """Bearing by the fault orders that the file states."""
+    """Bearing by the fault orders in the file; None if it has none."""
 
 
 def read_signal(
@@ -79,16 +79,16 @@ def read_signal(
     Read one vibration channel of a file.
 
     =========  ====================================================================================
-    ``.npz``   array ``x`` (or the longest one), ``fs``, ``rpm``, ``bearing_name``, ``label``; of a
-               two-dimensional array the channel is the row, or the column where the rows are of
-               fewer than 64 values; ``rpm`` or ``shaft_hz`` may be as long as the signal
-    ``.mat``   MATLAB up to version 7: the longest numeric vector or the one named, variables and
-               struct fields alike; ``fs``/``sr``, ``rpm`` and CWRU's ``X123RPM``
-    ``.wav``   the channel is its number from 0; full scale is 1
+    ``.npz``   array ``x`` (or the longest one), ``fs``, ``rpm``, ``bearing_name``, ``label``; in a
+               two-dimensional array a channel is a row, or a column if the rows have fewer than
+               64 values; ``rpm`` or ``shaft_hz`` may be as long as the signal
+    ``.mat``   MATLAB up to version 7: the named or the longest numeric vector among variables and
+               struct fields; ``fs``/``sr``, ``rpm`` and ``X123RPM`` of CWRU
+    ``.wav``   a channel is a number from 0; full scale is 1
     ``.csv``   comma, semicolon, tab or blanks; a column ``time`` gives the sample rate
-    ``.mcap``  a file or a bag folder; ``TOPIC``, ``TOPIC:y`` or ``y``; ours, Imu, Accel,
-               Vector3 and Float arrays
-    Parquet    a folder made by the package ``bearing-datasets``; the channel is the signal's id
+    ``.mcap``  a file or a bag folder; ``TOPIC``, ``TOPIC:y`` or ``y``; messages Vibration, Imu,
+               Accel, Vector3 and Float arrays
+    Parquet    a folder of the package ``bearing-datasets``; a channel is the id of a signal
     =========  ====================================================================================
 
     Parameters
@@ -96,15 +96,16 @@ def read_signal(
     path
         The file.
     channel
-        Which channel, named as above, or any part of the name that only one channel has
-        (``DE`` for ``DE_time``); None: the only one, or the longest.
+        Name of the channel as above, or a part of it that only one channel has (``DE`` for
+        ``DE_time``). None: the only channel, or the longest one.
     sample_rate
-        Hz; for files that do not say it, and against what they say, which `Signal.source` names.
+        Sample rate, Hz. It replaces a different rate in the file, which `Signal.source` then
+        mentions.
 
     Raises
     ------
     BearingTwinError
-        If the file cannot be read, holds no such channel, or its sample rate is not known.
+        If the file cannot be read, has no such channel, or its sample rate is unknown.
 
     """
     if is_dataset(path):
@@ -132,7 +133,7 @@ def read_signal(
     speeds = _speeds(found, len(x))
     numbers = [_number(found, (name,)) * factor for name, factor in SPEEDS.items()]
     if {'sr', 'gs', 'rate'} <= found.keys() or {'sr', 'x', 'rate'} <= found.keys():
-        # As MFPT writes them: sr samples a second, and a shaft that turns rate times.
+        # In files of MFPT, sr is the sample rate and rate the shaft speed, both in Hz.
         numbers.append(_number(found, ('rate',)))
     shaft_hz = next((speed for speed in numbers if speed >= 0.0), math.nan)
     return Signal(
@@ -162,14 +163,14 @@ def channels(path: Path) -> list[str]:
     names = []
     for name in _candidates(numeric):
         shape = numeric[name].shape
-        # A row of a table is a channel of its own.
+        # Each row of a table is a channel.
         table = len(shape) == 2 and max(shape) < numeric[name].size
         names += [f'{name}:{row}' for row in range(shape[0])] if table else [name]
     return names
 
 
 def _named(names: Iterable[str], said: str, path: Path) -> str:
-    """Return the one name that is ``said``, has its letters in any case, or has it as a part."""
+    """Return the name that equals ``said``, equals it in any case, begins with or contains it."""
     known = list(names)
     folded = said.casefold()
     for fits in (
@@ -192,7 +193,7 @@ def _named(names: Iterable[str], said: str, path: Path) -> str:
 
 
 def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
-    """Return what reads the arrays of a file, which is there and not too large."""
+    """Return the reader for a file, after checking that it exists and is not too large."""
     readers = (read_npz, read_mat, _read_wav, read_csv, read_csv, read_csv)
     reader = dict(zip(SIGNAL_FILES, readers, strict=True)).get(path.suffix.lower())
     refuse_special(path)
@@ -223,7 +224,7 @@ def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
 
 
 def _read_wav(path: Path) -> dict[str, Any]:
-    # Loaded when needed: scipy takes a second.
+    # Imported when needed: the import of SciPy takes a second.
     from scipy.io import wavfile
 
     try:
@@ -236,7 +237,7 @@ def _read_wav(path: Path) -> dict[str, Any]:
         offset = 128.0 if samples.dtype == np.uint8 else 0.0
         table = samples.reshape(samples.shape[0], -1)
     except Exception as error:
-        # The bytes come from outside: scipy raises many kinds on damaged ones.
+        # SciPy raises exceptions of many types if the bytes are damaged.
         msg = f'{path} cannot be read as .wav ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
     return {'table': table, 'fs': rate, 'scale': scale, 'offset': offset}
@@ -253,7 +254,7 @@ def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str
 
 
 def _numeric(arrays: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-    """Arrays of numbers among those of a file; of tables a channel or a snapshot in each row."""
+    """Return the numeric arrays of a file; tables with one channel or snapshot in each row."""
     return {
         name: array.T if array.ndim == 2 and array.shape[1] < SHORTEST <= len(array) else array
         for name, array in arrays.items()
@@ -262,13 +263,13 @@ def _numeric(arrays: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
 
 
 def _candidates(numeric: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Names of arrays that may be a vibration."""
+    """Return the names of arrays that may be vibration."""
     others = ('t', 'time', 'time_s', 't_s', 'temp_t_s', *TEMPERATURES, *SPEEDS)
     return [name for name in numeric if name.lower() not in others]
 
 
 def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
-    """Pick the signal among the arrays of a file and keep the rest as its description."""
+    """Return the chosen signal as ``x``, with the other arrays of the file as its description."""
     numeric = _numeric(arrays)
     name, row = channel, ''
     others: list[str] = []
@@ -281,7 +282,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         name = _named(numeric, name, path) if name else name
     if not name:
         candidates = _candidates(numeric)
-        # A counter or a time without a name is the vibration only where there is nothing else.
+        # An evenly rising array is a counter or time: choose it only if there is no other.
         free = [key for key in candidates if not is_even(numeric[key])] or candidates
         longest = max(free, key=lambda key: numeric[key].size, default='')
         name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
@@ -340,13 +341,13 @@ def _number(found: Mapping[str, Any], names: tuple[str, ...]) -> float:
 
 
 def _speeds(found: Mapping[str, Any], count: int) -> NDArray[np.float64]:
-    """Shaft speed at each sample, Hz; empty where there is no array of that length."""
+    """Return the shaft speed at each sample, Hz; empty if no array has that length."""
     for name, factor in SPEEDS.items():
         values = np.asarray(found.get(name, math.nan))
         if values.size == count > 1 and values.dtype.kind in 'fiu':
             speeds = values.ravel().astype(np.float64) * factor
             known = np.flatnonzero(np.isfinite(speeds))
-            # A driver knows its first speed some blocks after its first samples.
+            # A driver may learn the speed some blocks after its first samples: fill the gaps.
             if known.size == 0:
                 break
             filled: NDArray[np.float64] = np.interp(np.arange(count), known, speeds[known])

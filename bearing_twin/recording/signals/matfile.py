@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Variables of MATLAB files from outside (versions 4 to 7; 7.3 is HDF5 and is refused).
+Read variables of untrusted MATLAB files (versions 4 to 7; version 7.3 is HDF5 and is refused).
 
-Own code, because scipy.io.loadmat (1.17) ends the process with a segmentation fault on damaged
-files. The format is that of "MAT-File Format", The MathWorks, 2019; only what a recording of a
-signal can consist of is read: real numbers, texts, and structs of them.
+scipy.io.loadmat (1.17) is not used, because damaged files crash it with a segmentation fault. The
+format is described in "MAT-File Format", The MathWorks, 2019. Only real numbers, texts, and
+structs of these are read.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ HEADER = 128
 NUMBERS = {
     1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 9: 'f8', 12: 'i8', 13: 'u8',
 }  # fmt: skip
-"""Data types of elements that hold numbers."""
+"""Data types of numeric elements."""
 TEXTS = {1: 'latin-1', 2: 'latin-1', 4: 'utf-16', 16: 'utf-8', 17: 'utf-16', 18: 'utf-32'}
 MATRIX, COMPRESSED = 14, 15
 STRUCT, CHAR = 2, 4
@@ -43,10 +43,10 @@ VERSION_4 = ('f8', 'f4', 'i4', 'i2', 'u2', 'u1')
 
 def read_mat(path: Path) -> dict[str, Any]:
     """
-    Read the numeric arrays, scalars and texts of a ``.mat`` file.
+    Return the numeric arrays, scalars and texts of a ``.mat`` file by name.
 
-    Fields of structs are given by their own name; where two have the same one, the first wins.
-    A CWRU record's ``X123RPM`` and ``X123_DE_time`` are given as ``rpm`` and ``DE_time``.
+    Fields of structs are listed by field name; of equal names, the first one is kept. ``X123RPM``
+    and ``X123_DE_time`` of CWRU records become ``rpm`` and ``DE_time``.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _elements(data: memoryview, order: str, *, padded: bool) -> Iterator[tuple[i
     while at + 8 <= len(data):
         first, size = struct.unpack_from(f'{order}II', data, at)
         if first >> 16:
-            # Small element: up to four bytes in the tag itself.
+            # Small element: the tag itself contains up to four bytes of data.
             yield first & 0xFFFF, data[at + 4 : at + 4 + min(first >> 16, 4)]
             at += 8
             continue
@@ -122,7 +122,7 @@ def _elements(data: memoryview, order: str, *, padded: bool) -> Iterator[tuple[i
 
 
 def _matrix(data: memoryview, order: str, name: str, depth: int) -> Iterator[tuple[str, Any]]:
-    """Yield what one array holds: itself, or the fields of a struct."""
+    """Yield name and value of one array, or of the fields of a struct."""
     if depth > DEEPEST:
         msg = f'it nests more than {DEEPEST} levels of structs'
         raise BearingTwinError(msg)
@@ -150,7 +150,7 @@ def _matrix(data: memoryview, order: str, name: str, depth: int) -> Iterator[tup
 def _struct(
     elements: Iterator[tuple[int, memoryview]], order: str, depth: int
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the fields of a struct; of an array of structs, those of the first."""
+    """Yield the fields of a struct, or of the first struct of an array."""
     layout = [part for _, part in islice(elements, 2)]
     if len(layout) < 2 or len(layout[0]) < 4:
         return

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A vibration signal out of a recording: ours, or anybody's with a topic that can be one."""
+"""Read a vibration signal from a topic of a recording: Vibration, or other suitable types."""
 
 from __future__ import annotations
 
@@ -30,42 +30,43 @@ SINGLE: dict[str, Callable[[Any], Any]] = {
     'geometry_msgs/msg/AccelWithCovarianceStamped': lambda m: m.accel.accel.linear,
     'geometry_msgs/msg/Vector3Stamped': lambda m: m.vector,
 }
-"""Types with one stamped sample a message, and where its three axes are."""
+"""Types with one stamped sample per message, and the access to its three axes."""
 ARRAYS = (
     'std_msgs/msg/Float32MultiArray',
     'std_msgs/msg/Float64MultiArray',
     'std_msgs/msg/Int16MultiArray',
     'std_msgs/msg/Int32MultiArray',
 )
-"""Types with a block of samples and no rate."""
+"""Types with a block of samples and without sample rate."""
 AXES = ('x', 'y', 'z')
 SETTLED = 0.05
-"""Part by which the times between single samples may scatter (interquartile, of the median)."""
+"""Largest interquartile range of the steps between single samples, as a fraction of the median."""
 
 
 def vibration_topics(path: Path) -> list[str]:
-    """Return the topics of a recording that can be a vibration."""
+    """Return the topics of a recording that can be vibration."""
     return _fitting(recording_info(path).topics)
 
 
 def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[str, Any]:
     """
-    Read the longest stretch without a gap of one topic.
+    Return the longest part of one topic without a gap, with its description.
 
     Parameters
     ----------
     path
         File or bag folder.
     channel
-        ``TOPIC``, ``TOPIC:AXIS`` or ``AXIS``; None: the only topic that can be a vibration, and of
-        ours the axis y (the direction of the load).
+        ``TOPIC``, ``TOPIC:AXIS`` or ``AXIS``. None: the only topic that can be vibration; in
+        Vibration messages the axis y (the direction of the load).
     most
         Most samples to read.
 
     Raises
     ------
     BearingTwinError
-        If there is no such topic, several and none named, or the signal is too long.
+        If there is no such topic, if several topics fit and none is named, or if the signal is
+        too long.
 
     """
     info = recording_info(path)
@@ -75,7 +76,7 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
     problems: list[str] = []
     messages = read_messages(path, topics=(topic,), problems=problems)
     with known_fields(topic, type_name), np.errstate(invalid='ignore'):
-        # errstate: signalling NaN in a damaged block.
+        # A damaged block may contain a signalling NaN, which would cause a warning.
         if type_name == VIBRATION:
             found = _from_vibration(messages, axis, blocks, _Blocks(path, most))
         elif type_name in SINGLE:
@@ -91,7 +92,7 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
 
 
 class _Blocks:
-    """Collect blocks; keep the longest run of those without a gap between them."""
+    """Collect blocks of samples; keep the longest run without a gap."""
 
     def __init__(self, path: Path, most: int) -> None:
         self._path = path
@@ -137,7 +138,7 @@ def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tup
         if axis and axis not in AXES:
             topic, axis = channel or '', ''
     if not topic and len(fitting) > 1:
-        # Our own recordings also hold other arrays; the vibration is meant.
+        # Recordings of this package also hold arrays of features; prefer Vibration messages.
         fitting = [name for name in fitting if topics[name].type_name == VIBRATION] or fitting
     if topic in fitting:
         return topic, axis
@@ -172,7 +173,7 @@ def _from_vibration(messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks) 
 def _from_single(
     messages: Any, axis: str, blocks: _Blocks, vector: Callable[[Any], Any], most: int
 ) -> dict[str, Any]:
-    # Eight bytes each: a Python number takes four times as many.
+    # An array takes 8 bytes per number, a list of Python numbers four times as many.
     times, samples = array('q'), array('d')
     message: RecordedMessage
     for message in messages:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Arrays of ``.npz`` files from outside: no pickle, and no memory that the file does not fill."""
+"""Read arrays of untrusted ``.npz`` files: without pickle, and with bounded memory."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 
 MOST_UNPACKED = 1024 * 1024 * 1024
-"""Most that is read of a file, unpacked, bytes."""
+"""Most unpacked bytes that are read from a file."""
 MOST_MEMBERS = 10_000
 
 
 def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any]:
     """
-    Read the arrays of an ``.npz`` file; all, or those of ``wanted`` that are there.
+    Return the arrays of an ``.npz`` file by name: all, or those in ``wanted`` that exist.
 
     Raises
     ------
     BearingTwinError
-        If the file is damaged, an array holds Python objects, or all are too large together.
+        If the file is damaged, an array holds Python objects, or the arrays are too large.
 
     """
     refuse_special(path)
@@ -51,7 +51,7 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     except BearingTwinError:
         raise
     except Exception as error:
-        # The bytes come from outside: zipfile, numpy and the tokenizer it uses raise many kinds.
+        # zipfile, NumPy and its tokenizer raise exceptions of many types if bytes are damaged.
         reason = getattr(error, 'strerror', None) or error
         msg = f'{path} cannot be read as .npz ({type(error).__name__}: {reason})'
         raise BearingTwinError(msg) from None
@@ -59,7 +59,7 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
 
 
 def _read_array(file: IO[bytes], size: int, room: int, what: str) -> Any:
-    """Read one member, after a look at what its header would have numpy allocate."""
+    """Return one member; check the size in its header before memory is allocated."""
     if np.lib.format.read_magic(file) == (1, 0):
         shape, by_column, dtype = np.lib.format.read_array_header_1_0(file)
     else:

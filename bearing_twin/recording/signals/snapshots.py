@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Snapshots of one machine in order of time, out of many files or out of tables in few."""
+"""Read the snapshots of one machine in order of time, from many files or a few tables."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 NAMED_TIME = re.compile(
     r'(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_.T ]?(\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?!\d)'
 )
-"""Year to second in the name of a file."""
+"""Date and time (year to second) in the name of a file."""
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """One short signal and when it was taken."""
+    """One short signal and its time."""
 
     time: float
-    """s, from wherever the files count."""
+    """Time, s; the files define the origin."""
     signal: Signal
 
 
@@ -47,14 +47,14 @@ class _Temperatures:
     values: NDArray[np.float64]
 
     def at(self, time: float) -> float:
-        """Temperature at a time within the recorded ones, degC; NaN outside or without any."""
+        """Return the temperature at a time, degC; NaN outside the recorded times."""
         if not len(self.times) or not self.times[0] <= time <= self.times[-1]:
             return math.nan
         return float(np.interp(time, self.times, self.values))
 
 
 def series_files(paths: Sequence[Path]) -> list[Path]:
-    """Return the files of a series: those named, and those in named folders in natural order."""
+    """Return the files of a series: files as given, and those in folders in natural order."""
     endings = (*SIGNAL_FILES, '.mcap')
     files: list[Path] = []
     for path in paths:
@@ -80,28 +80,28 @@ def read_snapshots(
     """
     Yield the snapshots of one machine, one file in memory at a time.
 
-    An ``.npz`` file may hold many: ``x`` with one in each row, and their times ``t_s``. A file
-    with ``temp_t_s`` and ``temp_C`` gives the temperature of all. A folder made by
-    ``bearing-datasets`` holds many; ``time_s`` in its table is their time. Any other file is one
-    snapshot; its time is ``time_s`` in it, or its place in the order times ``cycle``. Without a
-    cycle it is that of the first message of an MCAP file, or date and time in the name. Where all
-    files have times they may be in any order.
+    An ``.npz`` file may hold many snapshots: one in each row of ``x``, and their times in ``t_s``.
+    A file with ``temp_t_s`` and ``temp_C`` gives the temperature for all snapshots. A folder of
+    ``bearing-datasets`` holds many snapshots, with their times in ``time_s`` of its table. Any
+    other file is one snapshot. Its time is ``time_s`` in the file, or else its position in the
+    order times ``cycle``. Without a cycle it is the time of the first message of an MCAP file, or
+    the date and time in the file name. If all files have times, their order does not matter.
 
     Parameters
     ----------
     files
-        In order of time; see :func:`series_files`.
+        Files in order of time; see :func:`series_files`.
     channel, sample_rate
         See :func:`bearing_twin.recording.signals.foreign.read_signal`.
     cycle
-        Seconds from one snapshot to the next, where the files do not say their times.
+        Interval of the snapshots, s, if the files do not state their times.
     unread
-        Called with what is wrong with a file, which is then left out; None: it is raised.
+        Called with the error of a file, which is then skipped. With None the error is raised.
 
     Raises
     ------
     BearingTwinError
-        If a file cannot be read, or no time of a snapshot is known.
+        If a file cannot be read, or the time of a snapshot is unknown.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def read_snapshots(
             elif path.suffix.lower() == '.mcap' and cycle is None:
                 said = {'time_s': recording_info(path).start / NANO}
         except BearingTwinError:
-            # It is told when it is its turn.
+            # The error is reported when the file is read for its snapshots.
             continue
         if 'temp_t_s' in said and 'temp_C' in said:
             times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
@@ -164,7 +164,7 @@ def read_snapshots(
 
 
 def _named_time(name: str) -> float | None:
-    """Date and time in a name, s since 1970 in UTC; None where there is none."""
+    """Return date and time in a file name, s since 1970 in UTC; None if there is none."""
     found = NAMED_TIME.search(name)
     try:
         when = datetime.strptime(' '.join(found.groups()), '%Y %m %d %H %M %S') if found else None
@@ -198,7 +198,7 @@ def _of_file(
 
 
 def _of_dataset(path: Path, channel: str | None) -> list[tuple[str, float | None]]:
-    """Signals of one sensor and their times, in order of time."""
+    """Return ids and times (s) of the signals of one sensor, in order of time."""
     rows = chosen_signals(path, channel)
     sensors = {f'{row.get("run_id", "")} {row.get("channel", "")}'.strip() for row in rows}
     if len(sensors) > 1:
