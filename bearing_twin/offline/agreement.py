@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Result of a re-run: which messages were identical, different, missing or not re-run."""
+"""Result of a re-run: numbers of identical, different, missing and skipped messages."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 @dataclass
 class Agreement:
-    """Messages of one topic, re-run against recorded."""
+    """Comparison of the recorded messages of one topic with those of the re-run."""
 
     identical: int = 0
     different: int = 0
     skipped: int = 0
-    """Recorded before a checkpoint from which to re-run, or after a loss in the recording."""
+    """Not re-run: recorded before the first usable checkpoint, or after lost messages."""
     missing: int = 0
-    """Made by the re-run, but not in the recording although later ones are."""
+    """Made by the re-run but missing in the recording, which continues after them."""
     first_difference: str = ''
 
     def compare(self, message: RecordedMessage, again: bytes, what: str) -> None:
-        """Count one message; padding between fields, which carries nothing, is left out."""
+        """Compare and count one message; padding between fields is ignored."""
         recorded = message.cdr if message.cdr == again else without_padding(message)
         if recorded == again:
             self.identical += 1
@@ -50,21 +50,21 @@ class Agreement:
 
 @dataclass
 class Reproduction:
-    """Result of a re-run."""
+    """Result of the re-run of a recording."""
 
     path: Path
     topics: dict[str, Agreement] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
-    """What happened in the run besides: restarts, changed parameters."""
+    """Remarks on the recorded run: restarts, changed parameters, lost blocks."""
 
     @property
     def uncompared(self) -> list[str]:
-        """Topics without a single message that could be compared."""
+        """Topics without any message that could be compared."""
         return sorted(n for n, a in self.topics.items() if not a.identical + a.different)
 
     @property
     def identical(self) -> bool:
-        """Whether something of each topic was compared and all of that was equal to the byte."""
+        """Whether every topic had compared messages and all of them were byte-identical."""
         return (
             bool(self.topics)
             and not self.uncompared

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Re-run of one recorded diagnosis from its checkpoints and the vibration blocks."""
+"""Re-run one recorded diagnosis from its checkpoints and the vibration blocks."""
 
 from __future__ import annotations
 
@@ -26,34 +26,34 @@ if TYPE_CHECKING:
 
 
 _REACH = 2.0 * LONGEST_WINDOW
-"""Time for which blocks are kept: a window and the stretch before it, s."""
+"""Time for which blocks are kept: a window and the signal before it, s."""
 
 HORIZON = 3 * NANO
-"""Log time within which messages of several publishers are put into the order of sending, ns."""
+"""Log time within which messages of several publishers are sorted by time of sending, ns."""
 
 
 class DiagnosisCheck:
     """
     Re-run of one diagnosis.
 
-    Blocks wait until what the node sent in answer to them is known. Verdicts are paired by their
-    window, so that one that is missing in the recording does not shift those behind it.
+    Blocks wait until the node's verdicts on them have been read. Verdicts are matched by their
+    window, so a verdict that is missing in the recording does not shift the later ones.
     """
 
     def __init__(self, namespace: str, result: Reproduction) -> None:
         self._topic = f'{namespace}/diagnosis'
         self._result = result
         self.notes: list[str] = []
-        """What happened in the run besides; notes on twins come from another thread."""
+        """Remarks on this diagnosis; a list of its own, as twins are re-run in another thread."""
         self._run: DiagnosisRun | None = None
         self._blocks: deque[RecordedMessage] = deque()
         self._checkpoints: deque[Any] = deque()
         self._verdicts: deque[tuple[RecordedMessage, Any]] = deque()
         self._past: deque[Any] = deque()
         self._next_sample = 0
-        # Windows that the re-run judged without a recorded verdict to compare with.
+        # Windows of verdicts of the re-run without a recorded verdict to compare with.
         self._unanswered: list[tuple[int, int]] = []
-        # Whether what nobody knows may act: temperature of a missing verdict, speeds of a joint.
+        # Whether unrecorded inputs may matter: temperature of a missing verdict, joint speeds.
         self._uncertain = False
 
     @property
@@ -61,7 +61,7 @@ class DiagnosisCheck:
         return self._result.topics.setdefault(self._topic, Agreement())
 
     def vibration(self, message: RecordedMessage) -> None:
-        """Take a block; work on those that have waited long enough."""
+        """Take a block; process the blocks that have waited long enough."""
         self._blocks.append(message)
         while self._blocks[0].publish_time < message.publish_time - HORIZON:
             self._push(self._blocks.popleft())
@@ -75,7 +75,7 @@ class DiagnosisCheck:
         self._verdicts.append((message, message.decode()))
 
     def finish(self) -> None:
-        """Work on what still waits; the last verdicts may come after the end of the recording."""
+        """Process the waiting blocks; the recording may end before the last verdicts."""
         if self._unanswered:
             self._agreement.missing += len(self._unanswered)
             self._unanswered.clear()
@@ -93,7 +93,7 @@ class DiagnosisCheck:
             self._note(f'a block is refused: {error}')
             return
         while self._checkpoints and _before(self._checkpoints[0], block):
-            # A late joiner gets the last checkpoint of a time before the recording.
+            # A late-joining subscriber receives a checkpoint from before the recording.
             self._checkpoints.popleft()
         first = int(block.first_sample)
         if self._checkpoints and int(self._checkpoints[0].first_sample) == first:
@@ -118,22 +118,22 @@ class DiagnosisCheck:
             self._note(f'a block is refused: {error}')
             return
         for due in dues:
-            # The first output is the verdict; what is made of it is not compared.
+            # The first output is the Diagnosis; features and spectra are not compared.
             self._pair(next(self._run.outputs(due.judge(due.excerpt.analyse()))))
 
     def _drop_unmade(self, sample: int) -> None:
-        """Count recorded verdicts on windows that ended before ``sample``: none was made."""
+        """Count recorded verdicts on windows that ended by ``sample`` and were not made again."""
         while self._verdicts and _end(self._verdicts[0][1]) <= sample:
             window = _window(self._verdicts.popleft()[1])
             if window in self._unanswered:
-                # It was published later than it is waited for: its inputs are not known in time.
+                # It was published after the horizon, so its inputs were not known in time.
                 self._unanswered.remove(window)
                 self._agreement.skipped += 1
             else:
                 self._agreement.differ(f'{self._topic} at sample {window[0]}: not made again')
 
     def _pair(self, output: Output) -> None:
-        """Compare with the recorded verdict on the same window."""
+        """Compare a verdict with the recorded one on the same window."""
         window = _window(decode(output))
         if not self._verdicts or _window(self._verdicts[0][1]) != window:
             self._unanswered.append(window)
@@ -184,7 +184,7 @@ class DiagnosisCheck:
         self._run = self._opened(values, state, window)
         self._past.clear()
         self._uncertain = False
-        # Verdicts on what came before cannot be re-run.
+        # Verdicts on earlier windows cannot be re-run.
         while self._verdicts:
             verdict = self._verdicts[0][1]
             if (_end(verdict) if window else int(verdict.first_sample) + 1) > sample:
@@ -193,7 +193,7 @@ class DiagnosisCheck:
             self._verdicts.popleft()
 
     def _opened(self, values: dict[str, Any], state: bytes, window: list[Any]) -> DiagnosisRun:
-        """Diagnosis in a recorded state, with the blocks before it in its window."""
+        """Return a diagnosis in a recorded state, with the blocks before it in its window."""
         if not window:
             return DiagnosisRun(values, state)
         run = DiagnosisRun(values)
@@ -208,14 +208,14 @@ class DiagnosisCheck:
         return run
 
     def _speed(self, run: DiagnosisRun) -> float:
-        """Speed that the next verdict was given, Hz, where it came from a joint; else NaN."""
+        """Return the shaft speed given to the next verdict by a joint, Hz; NaN if by none."""
         if not (self._verdicts and run.values['joint']):
             return math.nan
         given = float(self._verdicts[0][1].shaft_hz_given)
         return math.nan if given == nominal_speed(run.values) else given
 
     def _keep(self, block: Any) -> None:
-        """Keep a block from before the first checkpoint that serves: windows reach back."""
+        """Keep a block before the first usable checkpoint: windows reach back to it."""
         if self._past and int(block.first_sample) != _block_end(self._past[-1]):
             self._past.clear()
         self._past.append(block)
@@ -223,7 +223,7 @@ class DiagnosisCheck:
             self._past.popleft()
 
     def _window_before(self, sample: int, run: DiagnosisRun) -> list[Any] | None:
-        """Blocks before a checkpoint that the next verdict rests on; None if some are missing."""
+        """Return the blocks before a checkpoint that the next verdict needs; None if not all."""
         for _, verdict in self._verdicts:
             if _end(verdict) > sample:
                 first = run.rests_on(int(verdict.first_sample))
@@ -235,22 +235,22 @@ class DiagnosisCheck:
 
 
 def _window(verdict: Any) -> tuple[int, int]:
-    """First sample and number of samples of the window of a verdict."""
+    """Return first sample and number of samples of the window of a verdict."""
     return int(verdict.first_sample), int(verdict.sample_count)
 
 
 def _end(verdict: Any) -> int:
-    """Index of the sample after the window of a verdict."""
+    """Return the index of the sample after the window of a verdict."""
     return int(verdict.first_sample) + int(verdict.sample_count)
 
 
 def _block_end(block: Any) -> int:
-    """Index of the sample after a block of vibration."""
+    """Return the index of the sample after a block of vibration."""
     return int(block.first_sample) + max(len(block.x), len(block.y))
 
 
 def _before(checkpoint: Any, block: Any) -> bool:
-    """Whether a checkpoint lies before a block in index and in time: a new twin begins at 0."""
+    """Return whether a checkpoint is earlier by sample index and by time; new twins begin at 0."""
     return int(checkpoint.first_sample) < int(block.first_sample) and stamp_ns(
         checkpoint.header.stamp
     ) < stamp_ns(block.header.stamp)

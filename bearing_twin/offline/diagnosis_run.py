@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A diagnosis without node, DDS or clock: vibration messages in, the node's messages out."""
+"""Run a diagnosis without node, DDS or clock: vibration messages in, output messages out."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ NODE = '/diagnosis'
 
 
 class DiagnosisRun:
-    """The diagnosis node's work on one vibration message after the other."""
+    """Process vibration messages one after the other, as the diagnosis node does."""
 
     def __init__(self, values: Mapping[str, Any], state: bytes | None = None) -> None:
         self.values = dict(values)
         self.counts: Counter[str] = Counter()
-        """Verdicts so far, by name."""
+        """Number of verdicts so far, by result."""
         with parameters_of('diagnosis'):
             self._core = DiagnosisCore(values)
             self._checkpoints = Checkpoints(
@@ -48,24 +48,24 @@ class DiagnosisRun:
         return self._core.diagnoser.save()
 
     def rests_on(self, first_sample: int) -> int:
-        """Index of the first sample on which a window from ``first_sample`` rests."""
+        """Return the index of the first sample needed for a window from ``first_sample`` on."""
         diagnoser = self._core.diagnoser
         if isinstance(diagnoser, StreamingDiagnoser):
             return diagnoser.rests_on(first_sample)
         return first_sample
 
     def load(self, state: bytes) -> None:
-        """Take up a state; blocks that were taken right before it stay in the window."""
+        """Load a state; blocks taken right before stay in the window."""
         self._core.diagnoser.load(state)
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
-        """Take other parameters as the running node does; the window starts anew."""
+        """Change parameters as the running node does; a new window begins."""
         self.values = dict(values)
         self._text = yaml.safe_dump(self.values)
         self._core.reconfigure(values)
 
     def needs_checkpoint(self, block: VibrationBlock) -> bool:
-        """Whether a checkpoint is to precede a block."""
+        """Return whether a checkpoint is due before a block."""
         return self._checkpoints.is_due(block.first_sample)
 
     def checkpoint(self, block: VibrationBlock) -> Output:
@@ -80,19 +80,24 @@ class DiagnosisRun:
         return output('/diagnosis_checkpoint', checkpoint)
 
     def push(self, message: Any, **known: Any) -> Iterator[Output]:
-        """Yield what the node publishes of one vibration message; ``known`` as in :meth:`take`."""
+        """Yield the node's messages for one vibration message; ``known`` as in :meth:`take`."""
         for due in self.take(read_vibration(message, self.values['axis']), **known):
             yield from self.outputs(due.judge(due.excerpt.analyse()))
 
     def take(
         self, block: VibrationBlock, *, temperature: float, joint_hz: float = math.nan
     ) -> list[DueVerdict]:
-        """Admit one block of the axis in the parameters and take it, as `DiagnosisCore` does."""
+        """
+        Check and process one block of the axis in the parameters, as `DiagnosisCore` does.
+
+        ``temperature`` is in degC, ``joint_hz`` is the shaft speed from a joint in Hz; NaN if
+        unknown.
+        """
         self._core.admit(block)
         return self._core.take(block, temperature=temperature, joint_hz=joint_hz)
 
     def outputs(self, verdict: Verdict) -> Iterator[Output]:
-        """Yield what the node publishes of a verdict."""
+        """Yield the messages that the node publishes for a verdict."""
         self.counts[verdict.result.result] += 1
         yield output('/diagnosis', verdict.diagnosis)
         for name, message in verdict.features.items():

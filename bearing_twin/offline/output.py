@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages as the bytes that a node publishes."""
+"""Serialise messages to the bytes that a node publishes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Output(NamedTuple):
-    """One message to be published or recorded."""
+    """One serialised message to publish or record."""
 
     topic: str
     type_name: str
@@ -20,12 +20,12 @@ class Output(NamedTuple):
 
 
 def output(topic: str, message: Any) -> Output:
-    """Serialise a message as :func:`canonical_cdr` would make it of the bytes rclpy makes."""
+    """Return a message as the bytes that :func:`canonical_cdr` makes from those of rclpy."""
     kind = type(message)
     type_name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
     store = store_from_text(type_name, message_schema(type_name).text)
-    # Each field is read once, into the plain object that rosbags serialises: it asks for some of
-    # them twice, and rclpy's are properties. Sequences of numbers it takes as numpy arrays.
+    # Read each field once into the plain object that rosbags serialises: rosbags reads some fields
+    # twice, and those of rclpy are slow properties. It needs number sequences as NumPy arrays.
     values = [getattr(message, name) for name, _ in store.fielddefs[type_name][1]]
     plain = store.types[type_name](
         *[np.asarray(value) if isinstance(value, array.array) else value for value in values]
@@ -34,6 +34,6 @@ def output(topic: str, message: Any) -> Output:
 
 
 def decode(made: Output) -> Any:
-    """Return an object with the fields of a message that was made here."""
+    """Return an object with the fields of an output message."""
     store = store_from_text(made.type_name, message_schema(made.type_name).text)
     return store.deserialize_cdr(made.cdr, made.type_name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Offline replay: drive twin and diagnosis from the inputs in a recording, as fast as it goes."""
+"""Run twin and diagnosis offline from the inputs in a recording, as fast as possible."""
 
 from __future__ import annotations
 
@@ -47,40 +47,41 @@ STATE = 'bearing_twin_msgs/msg/TwinState'
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINTS = 'sensor_msgs/msg/JointState'
 LONGEST_PAUSE = 86_400 * NANO
-"""Time without an input that a run goes over, ns: a day; a stepped clock leaves years."""
+"""Longest time between two inputs of a run, ns: a day; a clock that was set makes years."""
 AHEAD, BATCH = 200, 25
-"""Blocks that the twin may be ahead of the diagnosis, and that it hands over at a time."""
+"""Blocks that the twin may be ahead of the diagnosis, and blocks passed on at a time."""
 
 
 def workers() -> int:
     """
-    Threads that analyse windows: one a processor, at most 4, more than which wait for the twin.
+    Return the number of threads that analyse windows: one per processor, at most 4.
 
-    The twin's processor too: an analysis waits for the interpreter lock now and then, and the twin
-    is done first.
+    More than 4 would wait for the twin. The processor of the twin counts too, because an analysis
+    sometimes waits for the interpreter lock, and the twin finishes first.
     """
     return min(len(os.sched_getaffinity(0)), 4)
 
 
 @dataclass
 class OfflineReport:
-    """What an offline run has made."""
+    """Results of an offline run."""
 
     target: Path
     duration: float
     """Length of the source, s."""
     covered: float = 0.0
-    """Time of the blocks made, s."""
+    """Duration of the computed blocks, s."""
     blocks: int = 0
     verdicts: dict[str, int] = field(default_factory=dict)
+    """Number of verdicts, by result."""
     inputs: int = 0
     """Messages of the source that were used."""
     problems: list[str] = field(default_factory=list)
-    """Files of the source that were left out because they are broken."""
+    """Errors of files of the source that were skipped because they are broken."""
     warnings: list[str] = field(default_factory=list)
-    """Where the twin passed a limit of its model or of its life for the first time."""
+    """Times at which the twin first exceeded a limit of its model or of the bearing life."""
     stopped: bool = False
-    """Whether it was asked to stop before the end."""
+    """Whether the run was stopped before the end."""
 
 
 def run_offline(
@@ -94,35 +95,35 @@ def run_offline(
     stop: Callable[[], bool] = lambda: False,
 ) -> OfflineReport:
     """
-    Run twin and diagnosis on the temperature and speed of a recording.
+    Run twin and diagnosis on the temperature and speed of a recording; write a new recording.
 
-    Blocks begin with the first input and follow its log time, as the live twin follows the clock;
-    an input acts on the block that is due next. The new recording holds the inputs too, and
-    checkpoints, so that ``verify`` can re-run it.
+    Blocks begin at the log time of the first input, as those of the live twin follow the clock. An
+    input acts on the next block. The new recording also contains the inputs, and checkpoints from
+    which ``verify`` can re-run it.
 
-    The twin computes ahead in one thread and windows are analysed in others; what is written, and
-    in which order, does not depend on how many there are.
+    The twin computes ahead in one thread, and other threads analyse windows. Content and order of
+    the recording do not depend on the number of threads.
 
     Parameters
     ----------
     source
         Recording with ``sensor_msgs/Temperature`` and, for a joint, ``sensor_msgs/JointState``.
     target
-        Recording to make.
+        Recording to write.
     twin, diagnosis
         Parameters of the nodes that differ from their defaults.
     temperature
         Topic of the temperature; '': the only one.
     progress
-        Called with the part done, 0..1, about once per recorded second.
+        Called with the fraction done, 0..1, about once per recorded second.
     stop
-        Asked at every message and block; after True the recording ends in order where it is.
+        Called at every message and block; if it returns True, the recording is finished there.
 
     Raises
     ------
     BearingTwinError
-        If there is no temperature in the source, or more than one to choose from, its inputs pause
-        for more than a day, or parameters or target do not fit.
+        If the source has no temperature or several to choose from, if its inputs pause for more
+        than a day, or if a parameter or the target is invalid.
 
     """
     info = recording_info(source)
@@ -172,7 +173,7 @@ def run_offline(
 
 
 class _Block(NamedTuple):
-    """One block of the twin, whose messages and condition are still to be worked out."""
+    """One computed block of the twin; its messages and condition are not computed yet."""
 
     now: int
     due: Due
@@ -182,7 +183,7 @@ class _Block(NamedTuple):
 
 
 class _Planned(NamedTuple):
-    """One block that the twin is to make; the fields are those of `_Block`."""
+    """One block that the twin has to compute; the fields are those of `_Block`."""
 
     now: int
     due: Due
@@ -192,7 +193,7 @@ class _Planned(NamedTuple):
 
 
 class _TwinSide:
-    """The inputs and the twin on one time line."""
+    """Compute the blocks of the twin from the inputs in order of time."""
 
     def __init__(self, twin: dict[str, Any], start: int) -> None:
         self._now = 0.0
@@ -201,18 +202,18 @@ class _TwinSide:
         self._temperature = math.nan
         self._start = self._latest = start
         self._next_sample = 0
-        # Blocks are made many at a time: after each, the twin would wait for the interpreter.
+        # Many blocks are computed in one call: the twin waits for the interpreter after each call.
         self._waiting: list[RecordedMessage | _Planned] = []
 
     def run(
         self, messages: Iterable[RecordedMessage], end: int
     ) -> Iterator[RecordedMessage | _Block]:
-        """Yield inputs and blocks in their order; the last block ends before ``end`` (ns)."""
+        """Yield inputs and blocks in order of time; the last block ends by ``end`` (ns)."""
         for message in messages:
             self._refuse_pause(message.log_time, f'the next message of {message.topic}')
             yield from self._blocks_until(message.log_time)
             if not self._twin.settled:
-                # The first temperature may change the twin at once.
+                # The first temperature may change the twin: compute the blocks before it first.
                 yield from self._made()
             self._waiting.append(message)
             self._take(message)
@@ -244,7 +245,7 @@ class _TwinSide:
             self._twin.take_joints(decoded)
 
     def _blocks_until(self, time: int) -> Iterator[RecordedMessage | _Block]:
-        """Let every block whose last sample has been taken before ``time`` (ns) be made."""
+        """Queue every block that ends by ``time`` (ns); yield the blocks that get computed."""
         length = self._twin.values['block_size']
         rate = self._twin.values['sample_rate']
         while True:
@@ -265,7 +266,7 @@ class _TwinSide:
             self._next_sample += length
 
     def _made(self) -> Iterator[RecordedMessage | _Block]:
-        """Make the blocks that wait, in one go, and yield them and the inputs between them."""
+        """Compute the waiting blocks in one call; yield them and the inputs between them."""
         waiting, self._waiting = self._waiting, []
         inputs = [each.inputs for each in waiting if isinstance(each, _Planned)]
         made = iter(self._twin.advance_all(inputs, self._twin.values['block_size']))
@@ -285,9 +286,10 @@ class _Analysed(NamedTuple):
 
 class _DiagnosisSide:
     """
-    The diagnosis and the new recording; at most ``most`` analyses are under way.
+    Diagnose the blocks and write the new recording; at most ``most`` analyses run at a time.
 
-    The messages of the twin's blocks are made here: the twin leaves the interpreter to that.
+    The messages of the twin's blocks are made here, because the twin does not need the interpreter
+    while it computes.
     """
 
     def __init__(
@@ -313,7 +315,7 @@ class _DiagnosisSide:
         self._analyses = 0
 
     def take(self, item: RecordedMessage | _Block) -> None:
-        """Copy an input, or work on a block."""
+        """Copy an input or process a block."""
         if isinstance(item, _Block):
             self._work(item)
         else:
@@ -321,11 +323,11 @@ class _DiagnosisSide:
         self._settle(self._most)
 
     def finish(self) -> None:
-        """Write everything that waits for its analysis or for one before it."""
+        """Wait for all analyses and write all waiting messages."""
         self._settle(0)
 
     def _settle(self, most: int) -> None:
-        """Write what can be; wait until ``most`` analyses, at most, are under way."""
+        """Write all messages that are ready; wait until at most ``most`` analyses are running."""
         while self._waiting:
             item, time = self._waiting[0]
             if isinstance(item, _Analysed):
@@ -346,7 +348,7 @@ class _DiagnosisSide:
         made, due, values = block.made, block.due, self._twin
         vibration = vibration_block(made, due, values, self._axis)
         if self._run.needs_checkpoint(vibration):
-            # The state before this block is that after all verdicts before it.
+            # The checkpoint needs the state after all earlier verdicts.
             self._settle(0)
             self._write(self._run.checkpoint(vibration), block.now)
         for verdict in self._run.take(vibration, temperature=block.temperature):
@@ -357,9 +359,9 @@ class _DiagnosisSide:
         self._report.warnings += self._new_warnings(made.block.condition, due)
 
     def _outputs(self, block: _Block) -> list[Output]:
-        """Return what the twin publishes of a block."""
+        """Return the messages that the twin publishes for a block."""
         made, due, values = block.made, block.due, self._twin
-        # How late a block was says nothing here, and would differ each time.
+        # Lateness has no meaning offline, and would make each run different.
         realtime = dict.fromkeys(REALTIME, 0)
         realtime['blocks_published'] = due.first_sample // made.block.y.size + 1
         vibration = self._bytes.vibration(made, due, values)
@@ -370,7 +372,7 @@ class _DiagnosisSide:
         ]
 
     def _new_warnings(self, condition: Condition, due: Due) -> list[str]:
-        """Sentences on limits that no block before has passed."""
+        """Return a sentence for each limit that is exceeded for the first time."""
         if condition.limits_passed in self._passed:
             return []
         passed = (limit for limit in Limit if limit in condition.limits_passed)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A vibration file as a recording: its blocks and the verdicts of the diagnosis on them."""
+"""Convert a vibration file to a recording of its blocks and the verdicts on them."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def record_signal(
     signal: Signal, target: Path, bearing: Bearing, shaft_hz: float = math.nan, *, unit: str = ''
 ) -> None:
     """
-    Write a signal as the recording that the diagnosis node would have answered.
+    Write a signal, and the messages of the diagnosis node on it, as a recording.
 
-    ``shaft_hz`` and ``unit``, where given, take the place of what the signal says.
+    ``shaft_hz`` (Hz) and ``unit``, if given, replace the speed and the unit of the signal.
 
     Raises
     ------
     BearingTwinError
-        If the recording cannot be made, or the signal cannot be diagnosed.
+        If the recording cannot be written, or the signal cannot be diagnosed.
 
     """
     length = len(signal.x) / signal.sample_rate

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Re-run of recorded twins, block by block: each one alone, or those of a fleet together."""
+"""Re-run recorded twins block by block: single twins, or the twins of a fleet together."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 
 _TOGETHER = 25
-"""Blocks of one twin that are made again at a time."""
+"""Blocks of one twin that are computed at a time."""
 
 
 class Recorded(NamedTuple):
-    """A recorded block and what its state says of it."""
+    """A recorded block, and its inputs from the twin state."""
 
     message: RecordedMessage
     due: Due
@@ -39,7 +39,7 @@ class Recorded(NamedTuple):
 
 
 class TwinCheck:
-    """Re-run of one twin; blocks of a twin in a fleet are handed to the fleet's re-run."""
+    """Re-run of one twin; blocks of a twin in a fleet are passed to the re-run of the fleet."""
 
     def __init__(self, topic: str, result: Reproduction) -> None:
         self.topic = topic
@@ -52,9 +52,9 @@ class TwinCheck:
         self._of_twin = False
         self._sparse = False
         self._last: Recorded | None = None
-        # Blocks are made many at a time: after each, the twin would wait for the interpreter.
+        # Many blocks are computed in one call: the twin waits for the interpreter after each call.
         self._waiting: list[Recorded] = []
-        # Of blocks of one length: another length needs another one.
+        # Serialiser of the blocks, by their length.
         self._bytes: dict[int, TwinBytes] = {}
 
     @property
@@ -62,13 +62,13 @@ class TwinCheck:
         return self._result.topics.setdefault(self.topic, Agreement())
 
     def join(self, fleet: FleetCheck) -> None:
-        """Let a fleet's re-run make the blocks."""
+        """Let the re-run of a fleet compute the blocks from now on."""
         self._make()
         self._of_twin = self._sparse = True
         self._fleet = fleet
 
     def checkpoint(self, checkpoint: Any) -> None:
-        """Go on from here, unless that is where the re-run is anyway."""
+        """Continue from a checkpoint, unless the re-run already has the same state."""
         self.settle()
         self._make()
         self._of_twin = True
@@ -83,16 +83,16 @@ class TwinCheck:
         self._pending = checkpoint
 
     def vibration(self, message: RecordedMessage) -> None:
-        """Keep a recorded block until its state has come, or the next block."""
+        """Keep a recorded block until its state or the next block arrives."""
         self.settle()
         self._recorded = message
 
     def has_block_of(self, state: Any) -> bool:
-        """Whether the block that waits, or for sure one before it, is of the twin of a state."""
+        """Return whether the waiting block, or an earlier one, belongs to the twin of a state."""
         return self._last is not None or self.waits_for(state)
 
     def waits_for(self, state: Any) -> bool:
-        """Whether the first block, which no state has claimed yet, is of the twin of a state."""
+        """Return whether the first block, still without a state, belongs to a state's twin."""
         if self._last is not None or self._recorded is None:
             return False
         block = self._recorded.decode()
@@ -100,11 +100,11 @@ class TwinCheck:
         return same_time and int(block.first_sample) == int(state.first_sample)
 
     def take_over(self, other: TwinCheck) -> None:
-        """Take the vibration of another topic, to which the twin's was renamed."""
+        """Take the blocks of another topic, to which the vibration of the twin was remapped."""
         self.topic, self._recorded = other.topic, other._recorded
 
     def state(self, state: Any) -> None:
-        """Re-run the block that this state belongs to."""
+        """Re-run the block to which this state belongs."""
         self._of_twin = True
         message, self._recorded = self._recorded, None
         if message is None:
@@ -125,9 +125,10 @@ class TwinCheck:
 
     def settle(self) -> None:
         """
-        Re-run the block that waits, whose state was not published.
+        Re-run the waiting block, whose state was not published.
 
-        A twin that does not publish all of them publishes each whose inputs have changed.
+        A twin with ``state_rate`` does not publish every state, but it publishes each state whose
+        inputs have changed. So the inputs of the last state still apply.
         """
         message, self._recorded = self._recorded, None
         if message is None:
@@ -167,7 +168,7 @@ class TwinCheck:
             self._make()
 
     def _make(self) -> None:
-        """Make the blocks that wait again; compare."""
+        """Compute the waiting blocks again and compare them."""
         waiting, self._waiting = self._waiting, []
         if waiting and self._twin is not None:
             inputs = [block.inputs for block in waiting]
@@ -176,7 +177,7 @@ class TwinCheck:
                 self.compare(block, again, self._twin.values)
 
     def compare(self, block: Recorded, made: TwinBlock, values: Mapping[str, Any]) -> None:
-        """Compare a recorded block with the one that was made again."""
+        """Compare a recorded block with the block of the re-run."""
         if block.length not in self._bytes:
             self._bytes = {block.length: TwinBytes(lambda message: output('', message).cdr)}
         again = self._bytes[block.length].vibration(made, block.due, values)
@@ -188,14 +189,14 @@ class TwinCheck:
         self._agreement.skipped += 1
 
     def finish(self) -> None:
-        """Count what is left; sensor data cannot be re-run."""
+        """Process the waiting blocks; drop the topic if no twin made it, as for sensor data."""
         self.settle()
         self._make()
         if not self._of_twin and self._result.topics.pop(self.topic, None) is not None:
             self._note('no twin was recorded with it; it is taken as measured')
 
     def _lose(self) -> None:
-        """Wait for the next checkpoint: a block is missing in the recording."""
+        """Stop until the next checkpoint, because a block is missing in the recording."""
         self._make()
         if self._twin is not None:
             self._note(
@@ -212,9 +213,10 @@ class FleetCheck:
     """
     Re-run of the twins of a fleet, which are advanced together.
 
-    A block is made when the next but one begins, with the temperatures and speeds that its states
-    carry, or the last ones before it. No bearing of a fleet acts on another: where the block of
-    one is missing, the others go on, and that one waits for the next checkpoint.
+    A block is computed when the block after the next one begins, with the temperatures and speeds
+    of its states or, without a state, the last ones before it. The bearings of a fleet do not
+    influence each other. If the block of one bearing is missing, the others continue, and this one
+    waits for the next checkpoint.
     """
 
     def __init__(self, node: str, result: Reproduction) -> None:
@@ -225,13 +227,17 @@ class FleetCheck:
         self._configuration: dict[str, Any] = {}
         self._members: list[TwinCheck] = []
         self._inputs: list[tuple[float, float]] = []
-        """Temperature, degC, and speed, Hz, of each twin."""
+        """Temperature (degC) and speed (Hz) of each twin."""
         self._lost: set[int] = set()
         self._blocks: dict[int, dict[int, Recorded]] = {}
         self._published = -1
 
     def checkpoint(self, checkpoint: Any, twin_of: Callable[[str], TwinCheck]) -> None:
-        """Go on from here, unless that is where the re-run is; ``twin_of`` a namespace."""
+        """
+        Continue from a checkpoint, unless the re-run already has the same state.
+
+        ``twin_of`` returns the re-run of the twin in a namespace.
+        """
         self.finish()
         configuration = configuration_values(checkpoint)
         if self._fleet is not None:
@@ -254,19 +260,19 @@ class FleetCheck:
             member.skip()
             return
         self._blocks.setdefault(block.due.number, {})[self._members.index(member)] = block
-        # A block without a state is known to be one when the next one begins.
+        # Only when the next block begins is it known that a block has no state.
         while block.due.number > min(self._blocks) + 1:
             self._advance()
 
     def finish(self) -> None:
-        """Make again what has been collected."""
+        """Compute all collected blocks."""
         for member in self._members:
             member.settle()
         while self._blocks:
             self._advance()
 
     def _advance(self) -> None:
-        """Make the first of the blocks that have been collected again; compare."""
+        """Compute the first of the collected blocks and compare it."""
         blocks = self._blocks.pop(min(self._blocks))
         due, length = next((block.due, block.length) for block in blocks.values())
         if self._pending is not None and int(self._pending.first_sample) == due.first_sample:

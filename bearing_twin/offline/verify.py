@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Re-run a recorded run from its checkpoints, and compare byte by byte.
+Re-run a recording from its checkpoints, and compare the messages byte by byte.
 
-Vibration is a function of a checkpoint of the twin, or of its fleet, and of the temperature and
-speed that each ``TwinState`` carries. A diagnosis is a function of a checkpoint, of the vibration
-blocks, which carry the speed, and of the temperature that it reports itself.
+Vibration depends on a checkpoint of the twin or its fleet, and on temperature and speed in each
+``TwinState``. A diagnosis depends on a checkpoint, on the vibration blocks with their speed, and
+on the temperature in the ``Diagnosis`` itself.
 """
 
 from __future__ import annotations
@@ -43,21 +43,21 @@ TYPES = {
     'bearing_twin_msgs/msg/Diagnosis',
 }
 MOST_HELD = 128 * 1024 * 1024
-"""Most bytes of messages that wait to be put in order."""
+"""Most bytes of messages that wait to be sorted."""
 AHEAD, BATCH = 200, 25
-"""Messages that the twins may be ahead of the diagnoses, and that they hand over at a time."""
+"""Messages that the twins may be ahead of the diagnoses, and messages passed on at a time."""
 OVERHEAD = 500
-"""Bytes that a message takes besides its content."""
+"""Bytes of memory that a message takes in addition to its content."""
 
 
 def reproduce(path: Path) -> Reproduction:
     """
-    Re-run what twins, fleets and diagnoses published in a recording, and compare.
+    Re-run twins, fleets and diagnoses of a recording; return the comparison with their messages.
 
     Raises
     ------
     BearingTwinError
-        If the recording cannot be read or holds no checkpoint to begin with.
+        If the recording cannot be read or holds no checkpoint.
 
     """
     info = recording_info(path)
@@ -102,14 +102,14 @@ def reproduce(path: Path) -> Reproduction:
         return twin
 
     def twins_again() -> Iterator[RecordedMessage]:
-        """Re-run the twins; yield the messages, which are the diagnoses' then."""
+        """Re-run the twins; yield all messages for the re-run of the diagnoses."""
         messages = read_messages(path, topics=topics, problems=result.notes)
         for message in _in_order_of_sending(messages):
             if message.type_name == DIAGNOSTICS:
                 early.update(sent_before(message.decode()))
                 continue
             if last.get(message.topic) == message.cdr:
-                # Each has a stamp: nobody has sent it twice.
+                # Each message has its own stamp, so an identical one is a duplicate.
                 twice[message.topic] += 1
                 continue
             if message.topic not in last and (
@@ -133,7 +133,7 @@ def reproduce(path: Path) -> Reproduction:
                     fleet.checkpoint(checkpoint, twin_of)
             yield message
 
-    # The equations of motion leave the interpreter to the windows, which leave it to them.
+    # Twins and diagnoses run in two threads: the compiled code of both releases the interpreter.
     for message in ahead(twins_again(), depth=AHEAD, batch=BATCH):
         namespace, _, name = message.topic.rpartition('/')
         diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(namespace, result))
