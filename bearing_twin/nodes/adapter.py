@@ -65,25 +65,25 @@ SPECS = (
 
 class AdapterNode(ManagedNode):
     """
-    Turn samples as other drivers publish them into blocks that the diagnosis takes.
+    Convert samples from other drivers to vibration blocks for the diagnosis.
 
-    ``std_msgs/Float32MultiArray`` holds many samples and no stamp: the time of publishing counts
-    as that of the last sample. Gaps are seen from the middleware's message numbers, and where the
-    driver sends nothing for 2 s; what it leaves out for a shorter time is not seen. Pauses that
-    are longer than the messages, as those between snapshots, say nothing of the sample rate.
-    ``sensor_msgs/Imu`` holds one sample: time and gaps come from its stamps.
-    In simulated time, what comes without a stamp before ``/clock`` has no time and is left out.
+    ``std_msgs/Float32MultiArray`` holds many samples and no stamp; the time of publishing is used
+    as the time of the last sample. Gaps are detected by the message numbers of the middleware, and
+    by pauses of more than 2 s; samples that the driver omits for a shorter time are not noticed.
+    Pauses longer than the messages, such as those between snapshots, are not used to measure the
+    sample rate. ``sensor_msgs/Imu`` holds one sample; time and gaps come from its stamps.
+    In simulated time, messages without a stamp are ignored before the first ``/clock``.
     """
 
     def __init__(self) -> None:
         super().__init__('adapter', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that do not fit together."""
+        """Refuse parameters that contradict each other."""
         check_adapter(values)
 
     def setup(self) -> None:
-        """Create the publisher."""
+        """Create the publisher and the status."""
         p = self.parameters
         self._sources = SourceLock()
         self._sequence = SequenceTracker()
@@ -107,7 +107,7 @@ class AdapterNode(ManagedNode):
         self.health.add('accelerometer input', self._input_status)
 
     def start(self) -> None:
-        """Listen."""
+        """Subscribe to the accelerometer."""
         if self.parameters['source'] == IMU:
             kind, topic, take = Imu, 'imu', self._on_imu
         else:
@@ -142,10 +142,11 @@ class AdapterNode(ManagedNode):
         if missing:
             self._gap(missing * count)
         elif self._until and elapsed > length + SILENT_AFTER:
-            # The driver has sent nothing for so long: how many samples it left out is not known.
+            # The driver was silent; the number of missing samples is unknown.
             self._gap(-1)
             if elapsed > 2.0 * length + SILENT_AFTER:
-                # Shorter ones are measured: so long messages come with a wrong sample_rate.
+                # Shorter pauses count in the measured rate: long messages with a wrong
+                # sample_rate cause them.
                 self._meter = RateMeter()
         self._until = published
         self._measure(count * (1 + max(0, missing)), published)
@@ -184,30 +185,30 @@ class AdapterNode(ManagedNode):
         self._publish(self._builder.push(sample, stamp=stamp, rate=rate), rate)
 
     def _published(self, info: MessageInfo) -> int:
-        """Return when a message without a stamp was published, ns; 0 if unknown."""
+        """Return the time of publishing of a message without a stamp, ns; 0 if unknown."""
         simulated = self.get_parameter('use_sim_time').value
         known = 0 if simulated else info['source_timestamp']
         return int(known or self.get_clock().now().nanoseconds)
 
     def _measure(self, count: int, stamp: int) -> None:
-        """Count samples; the last one has a stamp."""
+        """Add ``count`` samples to the measured rate; ``stamp`` (ns) is that of the last one."""
         self._heard += count
         self._meter.take(self._heard, stamp)
 
     def _begin_anew(self) -> None:
-        """Estimate the rate anew where it is estimated: the source is another, or runs so."""
+        """Restart the estimate of the sample rate, after a change of the source or its rate."""
         if not self.parameters['sample_rate']:
             self._gap(-1)
             self._stamps.restart()
             self._meter = RateMeter()
 
     def _runs_at_another_rate(self) -> bool:
-        """Whether another number of samples comes than expected, and not because of losses."""
+        """Return whether the source has another rate than expected, and not because of losses."""
         rate = self._stamps.rate
         wrong = self._meter.problem(rate)
         if wrong is None or not wrong.refused:
             return False
-        # NaN, where no steps are known, is another rate.
+        # The usual rate is NaN if no steps are known; that counts as another rate.
         return self._meter.rate > rate or not abs(self._stamps.usual_rate / rate - 1.0) <= REFUSED
 
     def _gap(self, missing: int) -> None:
@@ -291,12 +292,13 @@ class AdapterNode(ManagedNode):
 
 def check_adapter(values: Mapping[str, Any]) -> None:
     """
-    Refuse parameters that do not fit together.
+    Refuse parameters that contradict each other.
 
     Raises
     ------
     BearingTwinError
-        If no channel is chosen, a chosen one does not exist, or a sample rate is missing.
+        If no channel is chosen, a chosen one does not exist, the sample rate is missing, or the
+        scale is 0.
 
     """
     count = 3 if values['source'] == IMU else values['channels']
@@ -317,15 +319,13 @@ def check_adapter(values: Mapping[str, Any]) -> None:
 
 def check_layout(layout: MultiArrayLayout, channels: int, *, interleaved: bool) -> None:
     """
-    Refuse an array that says of itself that it is arranged in another way.
-
-    Many drivers leave the layout empty.
+    Refuse an array whose layout contradicts the parameters; an empty layout is accepted.
 
     Raises
     ------
     BearingTwinError
-        If its two dimensions are not samples and channels as the parameters say, or its data
-        begin behind others.
+        If its two dimensions are not the samples and channels of the parameters, or if it has a
+        data offset.
 
     """
     if layout.data_offset:

@@ -36,23 +36,23 @@ if TYPE_CHECKING:
 
 
 POLL = 0.2
-"""Time between looks at the worker, s."""
+"""Interval of checking the worker, s."""
 GENTLE = 10
-"""Niceness of the worker: blocks of twin and recorder come first."""
+"""Niceness of the worker process: twin and recorder have priority."""
 
 
 class CalibrationNode(ManagedNode):
     """
-    Fit the twin to measured vibration again and again, and say what it leaves unexplained.
+    Fit the twin to measured vibration repeatedly, and report what the fit does not explain.
 
-    The fit runs in a process of its own, of low priority, and takes at most a third of one core.
+    The fit runs in a separate process of low priority, and takes at most a third of one core.
     """
 
     def __init__(self) -> None:
         super().__init__('calibration', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that do not fit together."""
+        """Refuse parameters that contradict each other."""
         CalibrationCore(values)
         if values['state_name']:
             StateFolder(values['state_directory']).path(values['state_name'])
@@ -65,7 +65,7 @@ class CalibrationNode(ManagedNode):
         self._inputs = Inputs(receiver_clock(self), nominal=nominal, joint=p['joint'])
         self._sources = SourceLock()
         self._arrived = math.nan
-        # Of the newest block, and of the newest fit.
+        # Why the newest block was refused, why the newest fit failed, and the newest result.
         self._refused, self._problem, self._latest = '', '', None
         self._running: tuple[Task, Future[Fit]] | None = None
         self._began = 0.0
@@ -81,7 +81,7 @@ class CalibrationNode(ManagedNode):
         self.health.add('residual', self.residual_status)
 
     def start(self) -> None:
-        """Listen."""
+        """Subscribe to the inputs; start the timer that checks the worker."""
         topics = [
             (Vibration, 'vibration', self._on_vibration, STREAM),
             (Temperature, 'temperature', self._inputs.take_temperature, MEASUREMENT),
@@ -94,24 +94,24 @@ class CalibrationNode(ManagedNode):
         self.create_timer(POLL, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def stop(self) -> None:
-        """Keep what was learnt."""
+        """Save the healthy twin."""
         self._keep_state()
 
     def teardown(self) -> None:
-        """End the worker."""
+        """Stop the worker process."""
         self._worker.end()
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take changed parameters; what was learnt of another bearing is forgotten."""
+        """Apply changed parameters; a new bearing discards the fits of the former one."""
         core = CalibrationCore(values)
         if core.bearing != self._core.bearing:
-            # A fit that runs is of the other bearing: nobody waits for it any more.
+            # A running fit belongs to the former bearing: its result is ignored.
             self._core, self._running, self._latest = core, None, None
             self._state.set_aside(f'the bearing is now {core.bearing.name}')
         self._inputs.shaft.nominal = values['shaft_hz'] or math.nan
 
     def _forget(self) -> Awaitable[str]:
-        # A fit that runs is compared with the healthy twin that is given up.
+        # A running fit would be compared with the discarded healthy twin: ignore its result.
         self._running = None
         said = self._core.forget()
         self._state.give_up()
@@ -141,7 +141,7 @@ class CalibrationNode(ManagedNode):
             self._begin(task)
 
     def _temperature(self) -> float:
-        """Return that of the bearing, degC; NaN where none is received."""
+        """Return the temperature of the bearing, degC; NaN if none is received."""
         heat = self._inputs.temperature
         return math.nan if heat.status is TemperatureStatus.STALE else heat.taken
 
@@ -150,7 +150,7 @@ class CalibrationNode(ManagedNode):
             self._running = (task, self._worker.submit(task))
             self._began = time.monotonic()
         except (OSError, RuntimeError):
-            # Its process is made here: the machine may have no room for one, or for a thread.
+            # The process starts here: the machine may lack resources for a process or thread.
             self._say_killed()
 
     def _say_killed(self) -> None:
@@ -158,7 +158,7 @@ class CalibrationNode(ManagedNode):
         self.get_logger().error(f'not fitted: {self._problem}', throttle_duration_sec=60.0)
 
     def _look(self) -> None:
-        """Publish what the worker has finished."""
+        """Publish the result of a finished fit."""
         if self._running is None or not self._running[1].done():
             return
         (task, future), self._running = self._running, None
@@ -172,7 +172,7 @@ class CalibrationNode(ManagedNode):
             self.get_logger().warning(f'not fitted: {self._problem}', throttle_duration_sec=60.0)
             return
         except Exception as error:
-            # Of the fit itself, on a record that nobody has foreseen; the next record is another.
+            # An unexpected error of the fit on this record; the next record may succeed.
             self._problem = f'{type(error).__name__}: {error}'
             told = ''.join(traceback.format_exception(error))
             self.get_logger().error(
@@ -188,7 +188,7 @@ class CalibrationNode(ManagedNode):
         self._state.keep(self._core.save)
 
     def status(self) -> Status:
-        """Status of the calibration for /diagnostics."""
+        """Return the status of the calibration for /diagnostics."""
         found = self._latest
         heat = self._temperature()
         values: dict[str, object] = {
@@ -224,7 +224,7 @@ class CalibrationNode(ManagedNode):
         return Status(Level.OK, found.statement, values, kind='calibration')
 
     def _pending(self) -> str:
-        """Return what the first calibration waits for."""
+        """Return the text that explains why there is no calibration yet."""
         if self._running is None:
             return self._core.filling
         return (
@@ -233,7 +233,7 @@ class CalibrationNode(ManagedNode):
         )
 
     def residual_status(self) -> Status:
-        """Status of what the twin does not explain, for /diagnostics."""
+        """Return the status of the residual (what the twin does not explain) for /diagnostics."""
         said = self._core.unexplained
         values = {'residual': said.number, 'where': said.where, 'over_twin_db': said.over}
         if math.isnan(said.number):

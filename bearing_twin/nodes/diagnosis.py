@@ -17,21 +17,21 @@ if TYPE_CHECKING:
 
 
 class DiagnosisNode(ManagedNode):
-    """Diagnose the vibration that arrives; from the twin or from a real accelerometer."""
+    """Diagnose vibration from the twin or from a real accelerometer."""
 
     def __init__(self) -> None:
         super().__init__('diagnosis', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that do not fit together."""
+        """Refuse parameters that contradict each other."""
         check_diagnosis(values)
 
     def prepare(self) -> None:
-        """Compile the kernels."""
+        """Compile the numerical functions."""
         warm_up()
 
     def setup(self) -> None:
-        """Build the chain; create publishers and the service."""
+        """Build the diagnosis; create publishers, the reset service and the statuses."""
         p = self.parameters
         self._topics = DiagnosisTopics(self, p)
         self.offer('~/reset', self._topics.reset)
@@ -40,16 +40,16 @@ class DiagnosisNode(ManagedNode):
         self.health.add('bearing', self._topics.verdict_status)
 
     def start(self) -> None:
-        """Listen."""
+        """Subscribe to the inputs."""
         self._topics.listen()
         self.get_logger().info(f'diagnosing bearing {self._topics.bearing}')
 
     def stop(self) -> None:
-        """Keep what was learnt."""
+        """Save baseline and trend."""
         self._topics.keep_state()
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take changed parameters; the window restarts where the bearing has changed."""
+        """Apply changed parameters; a change of the bearing restarts the window."""
         self._topics.apply(values)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics and statuses of one diagnosis: a diagnosis node has one, a fleet many."""
+"""Topics and statuses of one diagnosis, in a diagnosis node or a fleet node."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class DiagnosisTopics:
     """
     Feed a diagnosis from its topics and publish its verdicts.
 
-    Verdicts are triggered by the samples, not by a clock: the same blocks give the same verdicts.
+    The number of samples triggers verdicts, not a clock: the same blocks give the same verdicts.
     """
 
     def __init__(self, node: ManagedNode, parameters: ParameterSet, *, prefix: str = '') -> None:
@@ -62,7 +62,7 @@ class DiagnosisTopics:
         self._measured = Inputs(receiver_clock(node), joint=p['joint'])
         self._intake = Intake()
         self._latest: DiagnosisResult | None = None
-        # A series, up to a megabyte, changes once a cycle.
+        # The state of a series, up to 1 MB, changes only once per cycle.
         period = max(p['checkpoint_period'], p['series_cycle'])
         self._checkpoints = Checkpoints('diagnosis', self._path, period)
         self._verdict = node.create_lifecycle_publisher(
@@ -74,7 +74,8 @@ class DiagnosisTopics:
         self._envelope = node.create_lifecycle_publisher(
             Spectrum, f'{prefix}envelope_spectrum', own(RESULT), qos_overriding_options=OVERRIDES
         )
-        # A fleet has none: seven publishers an asset, of what the verdict holds anyway.
+        # A fleet publishes no features: they would need further publishers for each asset, and
+        # the Diagnosis contains them anyway.
         self._features = {
             name: node.create_lifecycle_publisher(Float64MultiArray, f'features/{name}', RESULT)
             for name in (() if prefix else FEATURES)
@@ -91,7 +92,7 @@ class DiagnosisTopics:
         return self._core.bearing.name
 
     def listen(self, *, sensors: bool = True) -> None:
-        """Subscribe; without ``sensors`` blocks and temperature are handed to :meth:`hold`."""
+        """Subscribe; without ``sensors`` the caller passes blocks and temperature to `hold`."""
         self._inputs: list[Subscription[Any]] = []
         if sensors:
             self._subscribe(Vibration, 'vibration', self.take, STREAM)
@@ -102,7 +103,7 @@ class DiagnosisTopics:
             self._subscribe(JointState, 'joint_states', self._measured.take_joints, MEASUREMENT)
 
     def _subscribe(self, kind: Any, topic: str, callback: Any, qos: QoSProfile) -> None:
-        # A fleet has many: waiting for each would cost more than what they bring.
+        # A fleet has many subscriptions: waiting on each would cost more than its messages.
         polled = self._prefix or kind is not Vibration
         self._inputs.append(
             subscribe(
@@ -116,7 +117,7 @@ class DiagnosisTopics:
         )
 
     def reset(self) -> Awaitable[str]:
-        """Start anew: window, baseline and trend; what a service answers is to be awaited."""
+        """Restart window, baseline and trend; return the answer of the service, to await."""
         self._due.clear()
         self._core = DiagnosisCore(self.parameters.values)
         self._checkpoints.ask()
@@ -127,7 +128,7 @@ class DiagnosisTopics:
         return self._state.answer('window, baseline and trend start anew')
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take changed parameters; the window restarts where the bearing has changed."""
+        """Apply changed parameters; a change of the bearing restarts the window."""
         self.judge()
         self._core.reconfigure(values)
         self._checkpoints.ask()
@@ -135,7 +136,7 @@ class DiagnosisTopics:
     def take(self, message: Vibration, info: Mapping[str, Any] | None = None) -> None:
         """Diagnose one block; publish the verdict if due."""
         intake, now = self._intake, time.monotonic()
-        # Jazzy does not tell who sent it: then all is one source.
+        # In ROS 2 Jazzy the publisher is unknown: all messages count as one source.
         if not intake.sources.accept((info or {}).get('publisher_gid'), now):
             return
         intake.arrived = now
@@ -149,9 +150,9 @@ class DiagnosisTopics:
 
     def hold(self, block: VibrationBlock, *, temperature: float) -> bool:
         """
-        Take one block; return whether a verdict fell due, which waits for :meth:`judge`.
+        Take one block; return whether a verdict is due. :meth:`judge` then makes it.
 
-        At ``temperature``, degC, NaN if unknown.
+        ``temperature`` is in degC; NaN if unknown.
         """
         intake = self._intake
         intake.arrived = time.monotonic()
@@ -164,14 +165,14 @@ class DiagnosisTopics:
         if intake.gaps.count(block.first_sample, block.samples.size):
             self._checkpoints.ask()
         if self._checkpoints.is_due(block.first_sample):
-            # A state is complete where no verdict waits.
+            # A saved state is complete only if no verdict waits.
             self.judge()
             self._load_state()
             self._publish_checkpoint(block)
         joint_hz = self._measured.shaft_hz(block.length)
         due = self._core.take(block, temperature=temperature, joint_hz=joint_hz)
         if due:
-            # One at most waits, however busy the process is.
+            # At most one verdict waits, however busy the process is.
             self.judge()
         self._due.extend(due)
         return bool(due)
@@ -182,12 +183,12 @@ class DiagnosisTopics:
         self._node.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
 
     def judge(self) -> None:
-        """Publish the verdicts that are due."""
+        """Compute and publish the verdicts that are due."""
         while self._due:
             due = self._due.popleft()
             self._publish_verdict(due.judge(due.excerpt.analyse()))
             if self.parameters['series_cycle']:
-                # The next block may come a cycle later.
+                # Save now: the next block may come one cycle later.
                 self._checkpoints.ask()
                 self._keep()
 
@@ -222,8 +223,8 @@ class DiagnosisTopics:
             self._node.get_logger().info(f'baseline and trend loaded from {self._state.path}')
 
     def keep_state(self) -> None:
-        """Keep what was learnt, if that is asked for."""
-        # Before a verdict it is not known whose windows they are.
+        """Save baseline and trend, if the parameters ask for it."""
+        # Before the first verdict it is unknown to which bearing the windows belong.
         if self._latest is not None:
             self._keep()
 
@@ -235,7 +236,7 @@ class DiagnosisTopics:
         )
 
     def input_status(self) -> Status:
-        """Status of the vibration stream for /diagnostics."""
+        """Return the status of the vibration stream for /diagnostics."""
         unkept = self._state.problem
         unkept = unkept and f'baseline and trend are not kept: {unkept}'
         problems = self._core.rate_problem, *self._measured.problems(), unkept
@@ -248,13 +249,13 @@ class DiagnosisTopics:
         return status._replace(message=text)
 
     def verdict_status(self) -> Status:
-        """Status of the bearing for /diagnostics."""
+        """Return the status of the bearing for /diagnostics."""
         age, overdue = time.monotonic() - self._intake.used, self._core.diagnoser.overdue
         return verdict_status(self._latest, self.bearing, age, overdue)
 
 
 def input_status(intake: Intake, now: float, *problems: str) -> Status:
-    """Status of the vibration stream at ``now`` (s), with sentences; empty ones are ignored."""
+    """Return the status of the vibration stream at ``now`` (s); empty problems are ignored."""
     age = now - intake.arrived
     if not intake.blocks and not intake.problem:
         level, message = Level.STALE, 'no vibration yet'
@@ -286,17 +287,17 @@ def verdict_status(
     result: DiagnosisResult | None, bearing: str, age: float, overdue: str = ''
 ) -> Status:
     """
-    Status of the bearing.
+    Return the status of the bearing.
 
-    A verdict does not stand without vibration: ``age`` is the time since the last block that was
-    used, s. ``overdue`` says why vibration gives no verdict; '' if it does.
+    Without vibration a verdict becomes stale: ``age`` is the time since the last used block, s.
+    ``overdue`` is the reason why vibration gives no verdict; '' if it gives one.
     """
     if result is None:
         known, kind = {'bearing': f'bearing {bearing}'}, 'overdue' if overdue else ''
         return Status(Level.STALE, overdue or 'no verdict yet', known, kind)
     values: dict[str, object] = {
         'fault_code': result.fault_code,
-        # A text whatever the name: one that is a number alone would be taken for one.
+        # The prefix keeps it a text: a name of digits only would be read as a number.
         'bearing': f'bearing {bearing}',
         'age_s': age,
         'result': RESULTS.index(result.result),
@@ -325,5 +326,5 @@ def verdict_status(
     if overdue:
         text = f'{overdue}; the last verdict was {result.result}'
         return Status(Level.STALE, text, values, kind='overdue')
-    # A changed verdict is logged when it comes; a changed level as any status.
+    # A changed verdict is logged when it is published; only a changed level is logged as status.
     return Status(LEVELS[result.level], result.result, values, kind='verdict')

@@ -44,10 +44,10 @@ if TYPE_CHECKING:
 
 
 BLOCK = 4096
-"""Samples per block, 160 ms: to send a block costs the same as one of 40 ms."""
+"""Samples per block, 160 ms: sending it costs as much as sending a block of 40 ms."""
 
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-"""Any few consecutive multiples of it are spread evenly between whole numbers."""
+"""Inverse golden ratio: fractional parts of its consecutive multiples are spread evenly."""
 
 SPECS = (
     fixed('assets_file', '', 'YAML file of the assets; see config/fleet.yaml.', read_only=True),
@@ -69,24 +69,24 @@ SPECS = (
 
 @dataclass(frozen=True)
 class Pending:
-    """One bearing's block that is computed and waits for its slot."""
+    """A computed block of one bearing that waits for its publishing slot."""
 
     index: int
     block: FleetBlock
     due: Due
     inputs: TwinInputs
     took: float
-    """Time that the blocks of all took, s."""
+    """Time to compute the blocks of all bearings, s."""
 
 
 class FleetNode(ManagedNode):
     """
     Host many twins and diagnoses, each with topics and parameters of its own.
 
-    The equations of all twins are advanced in one call when a period is over; the publishing, and
-    what the diagnoses do with the blocks, is spread over the next one. A diagnosis whose twin is
-    hosted too gets the blocks directly, and its verdicts wait where they would delay a block; any
-    other one listens to its topic.
+    The equations of all twins are advanced in one call at the end of a block period. The blocks
+    are published and diagnosed over the next period. A diagnosis whose twin runs in the same node
+    receives the blocks directly, and its verdicts wait if they would delay a block. Any other
+    diagnosis subscribes to its vibration topic.
     """
 
     def __init__(self) -> None:
@@ -96,34 +96,34 @@ class FleetNode(ManagedNode):
         self._members: list[Member] = []
 
     def bring_up(self) -> None:
-        """Declare the parameters of the assets; configure and activate as any node."""
+        """Declare the parameters of the assets; then configure and activate the node."""
         self.refused = True
         self._declare()
         self.refused = False
         super().bring_up()
 
     def _declare(self) -> None:
-        # Not before the kernel is compiled, which checks them.
+        # Only after the functions that check them are compiled.
         self._members = self._members or [
             Member(self, asset, self._apply_twin, self._apply_diagnosis) for asset in self._assets
         ]
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that do not fit together."""
+        """Refuse parameters that contradict each other."""
         realtime.check_thresholds(values)
 
     def prepare(self) -> None:
-        """Compile the kernels of what it hosts."""
+        """Compile the numerical functions of the hosted twins and diagnoses."""
         if any(asset.twin is not None for asset in self._assets):
             dynamics.warm_up(fleet=True)
         if any(asset.diagnosis is not None for asset in self._assets):
             diagnosis.warm_up()
 
     def setup(self) -> None:
-        """Warm the kernel; create what the assets need."""
+        """Create twins, diagnoses, topics and statuses of the assets; compute a trial block."""
         p = self.parameters
         self._declare()
-        # First of all, as it may be refused: nothing is left behind then.
+        # First, because it may be refused: then there is nothing to clean up.
         self._cycle = BlockCycle(
             self, p, self._compute, slots=p['slots'], between=self._spend_slot
         )
@@ -138,14 +138,15 @@ class FleetNode(ManagedNode):
         self.health = Health(self, self.get_namespace())
         for index, member in enumerate(self._members):
             self._set_up_twin(member)
-            # Neighbours are published one after another: their verdicts belong to other blocks.
+            # Verdicts of neighbouring assets fall on different blocks, as they are published
+            # directly after each other.
             self._set_up_diagnosis(member, stagger=index * GOLDEN % 1.0)
         self.health.add('real time', self._cycle.status)
         self._warm()
         self.offer('~/reset', self._reset_all)
 
     def _warm(self) -> None:
-        """Make a block and its messages and take it back: the first one has a deadline."""
+        """Compute a block and its messages and undo it, as the first real block has a deadline."""
         if self._fleet is None:
             return
         start, due = self._fleet.save(), Due(0, 0, 0.0)
@@ -158,12 +159,12 @@ class FleetNode(ManagedNode):
         self._fleet.load(start)
 
     def _build_fleet(self) -> Fleet | None:
-        """Return all twins at their start; None where only diagnoses are hosted."""
+        """Return all twins in their initial state; None if only diagnoses are hosted."""
         values = [self._start(m) for m in self._twins]
         return build_fleet(values, threads=self.parameters['threads']) if values else None
 
     def _start(self, member: Member) -> dict[str, Any]:
-        """Return the parameters of a twin, with the temperature at which it starts anew."""
+        """Return the parameters of a twin, with the temperature for a restart."""
         assert member.twin_parameters is not None
         values = dict(member.twin_parameters.values)
         if member.channel is not None:
@@ -218,7 +219,7 @@ class FleetNode(ManagedNode):
             self.health.add(f'{member.name} {part}', status, hardware_id=hardware_id)
 
     def start(self) -> None:
-        """Listen and start the clock of the blocks."""
+        """Subscribe to the inputs and start the block cycle."""
         for member in self._members:
             if member.diagnosis is not None:
                 member.diagnosis.listen(sensors=member.twin is None)
@@ -232,27 +233,27 @@ class FleetNode(ManagedNode):
         self.get_logger().info(f'{len(self._twins)} twins and {diagnoses} diagnoses')
 
     def stop(self) -> None:
-        """Stop the clock of the blocks."""
+        """Stop the block cycle; publish the waiting blocks and save the states."""
         self._cycle.stop()
         try:
-            # They have been counted as published.
+            # The waiting blocks have already been counted as published.
             self._publish_share(1.0)
             while self._verdicts:
                 self._verdicts.popleft().judge()
         finally:
-            # Ctrl-C has ended the context: nothing is published any more, and the states are kept.
+            # After Ctrl-C publishing fails, as the context is shut down: still save the states.
             for member in self._members:
                 if member.diagnosis is not None:
                     member.diagnosis.keep_state()
 
     def teardown(self) -> None:
-        """Give up what the members had."""
+        """Release twins and diagnoses of all members."""
         for member in self._members:
             member.release()
 
     def _apply_twin(self, member: Member, values: Mapping[str, Any]) -> None:
         if member.channel is not None and self._fleet is not None:
-            # What waits was made with the former ones.
+            # The waiting blocks were computed with the former parameters.
             self._publish_share(1.0)
             member.channel.apply(values)
             self._fleet.reconfigure(self._twins.index(member), build_parameters(values))
@@ -276,7 +277,7 @@ class FleetNode(ManagedNode):
             self._pending.append(Pending(index, block, due, each, took))
 
     def _inputs(self) -> list[TwinInputs]:
-        """Return temperature and speed of each twin for the block to be computed now."""
+        """Return temperature (degC) and speed (Hz) of each twin for the next block."""
         channels = [member.channel for member in self._twins if member.channel]
         return [TwinInputs(c.temperature, c.shaft_hz()) for c in channels]
 
@@ -289,20 +290,20 @@ class FleetNode(ManagedNode):
         )
 
     def _spend_slot(self, phase: float) -> None:
-        """Publish this slot's share of the blocks; then judge for the rest of the slot."""
+        """Publish the blocks of this slot; use the rest of the slot for verdicts."""
         began, slots = time.perf_counter(), self.parameters['slots']
         self._publish_share(phase)
-        # A verdict can wait for a later slot, the next block cannot.
+        # A verdict can wait for a later slot; the next block cannot.
         slot = self._cycle.period / slots
         end = began + (math.floor(phase * slots + 1e-6) + 1 - phase * slots) * slot
         while self._verdicts and (begins := time.perf_counter()) + self._verdict_took < end:
             self._verdicts.popleft().judge()
-            # The slowest of late counts; but a slot that is half empty always takes one.
+            # Expect the slowest recent verdict, but at most half a slot, so that one always fits.
             took = time.perf_counter() - begins
             self._verdict_took = min(max(took, 0.9 * self._verdict_took), 0.5 * slot)
 
     def _publish_share(self, phase: float) -> None:
-        """Publish as many of the blocks as the part of the period that is over asks for."""
+        """Publish the blocks that are due at a phase of the period (0..1)."""
         after = max(0.0, 1.0 - phase - 1.0 / self.parameters['slots'])
         remaining = math.floor(len(self._twins) * after + 1e-6)
         while len(self._pending) > remaining:
@@ -316,7 +317,7 @@ class FleetNode(ManagedNode):
         made = TwinBlock(self._fleet.of_bearing(item.block, item.index), *item.inputs)
         topics, values = member.twin, member.channel.values
         topics.vibration.publish(topics.bytes.vibration(made, item.due, values))
-        # Without the time in which the block waited for its slot.
+        # The time that the block waited for its slot does not count.
         took = {'execution_time': time.perf_counter() - began}
         topics.publish_state(made, item.due, self._cycle.fields(item.due) | took)
         if member.wait:
@@ -336,7 +337,7 @@ class FleetNode(ManagedNode):
                 due.first_sample,
                 stamp=due.stamp,
                 sample_rate=self.parameters['sample_rate'],
-                # In the order of the fleet, which the state follows.
+                # Not sorted: the state is in the order of the fleet.
                 configuration=yaml.safe_dump(configuration, sort_keys=False),
                 state=self._fleet.save(),
             )
@@ -369,7 +370,7 @@ class FleetNode(ManagedNode):
         self._checkpoints.ask()
 
     async def _reset_all(self) -> str:
-        # What waits has been counted as published.
+        # The waiting blocks have already been counted as published.
         self._publish_share(1.0)
         self._fleet = self._build_fleet()
         self._checkpoints.ask()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One asset of a fleet: its parameters, and what the node hosts of it."""
+"""One asset of a fleet node: its parameters, twin and diagnosis."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ class Member:
         self.twin_parameters: ParameterSet | None = None
         self.diagnosis_parameters: ParameterSet | None = None
         self.channel: TwinChannel | None = None
-        """Inputs and messages of its twin."""
+        """Inputs of its twin."""
         self.twin: TwinTopics | None = None
         self.diagnosis: DiagnosisTopics | None = None
         self.wait = 0
-        """Blocks before the diagnosis begins, so that verdicts do not coincide."""
+        """Blocks to skip before the diagnosis begins, so that verdicts do not coincide."""
         self.prefix = prefix = asset.name.replace('/', '.')
-        """What the names of its parameters begin with."""
+        """Prefix of its parameter names."""
         try:
             if asset.twin is not None:
                 self.twin_parameters = ParameterSet(
@@ -80,7 +80,7 @@ class Member:
             raise BearingTwinError(msg) from None
 
     def release(self) -> None:
-        """Forget twin and diagnosis."""
+        """Release twin and diagnosis."""
         self.channel = self.twin = self.diagnosis = None
 
 

@@ -38,11 +38,11 @@ if TYPE_CHECKING:
 
 DISCOVERY_PERIOD = 0.25
 READING_TIME = 0.05
-"""Time after which parameters that nodes have told of wait for the next flush, s."""
+"""Longest time per flush for reading parameters from checkpoints, s; the rest waits."""
 LOGGER = 'bearing_twin.recorder'
 MIB = 1024 * 1024
 ABOUT_NODES = ('diagnostic_msgs/', 'lifecycle_msgs/', 'rcl_interfaces/')
-"""Types in which nodes speak of themselves, as they do before anybody can listen."""
+"""Types that nodes publish about themselves: at their start no subscriber can be there yet."""
 
 OFFERED: dict[str, QoSProfile] = {
     'vibration': STREAM,
@@ -51,24 +51,24 @@ OFFERED: dict[str, QoSProfile] = {
     'diagnosis_checkpoint': CHECKPOINT,
 }
 EXPECTED = {name: (kind, OFFERED.get(name, RESULT)) for name, kind in OWN_TOPICS.items()}
-"""Our own topics, subscribed to before anybody publishes them, so that no first block is lost.
+"""Topics of this package; the recorder subscribes before they are published, to lose no block.
 
-A publisher that offers less than this is found at once and subscribed to as it offers.
+A publisher with a weaker QoS offer is detected at once, and the subscription follows its offer.
 """
 
 
 class RecorderNode(ManagedNode):
-    """Record topics: the bytes that came are the bytes that are written."""
+    """Record topics: the received bytes are written unchanged."""
 
     def __init__(self) -> None:
         super().__init__('recorder', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that do not fit together."""
+        """Refuse parameters that contradict each other."""
         TopicChoice(values, set())
 
     def setup(self) -> None:
-        """Make the recording; say what a crash has left."""
+        """Open the recording; warn of unfinished recordings from earlier crashes."""
         p = self.parameters
         named = {self.resolve_topic_name(topic) for topic in p['topics'] if topic}
         choice = TopicChoice(p.values, named, self.get_namespace())
@@ -78,7 +78,7 @@ class RecorderNode(ManagedNode):
         try:
             self._begin()
         except Exception:
-            # Told to end while it comes up: what has been made is finished.
+            # Perhaps interrupted while starting: finish the recording.
             self._writer.close()
             raise
         self.get_logger().info(f'recording to {self._writer.path}')
@@ -103,7 +103,7 @@ class RecorderNode(ManagedNode):
         self.health.add('recording', self._status)
 
     def start(self) -> None:
-        """Subscribe, and look for new topics from now on."""
+        """Subscribe, and search for new topics from now on."""
         self._topics.expect(EXPECTED)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DISCOVERY_PERIOD, self._topics.discover, clock=steady)
@@ -111,9 +111,9 @@ class RecorderNode(ManagedNode):
         self._topics.discover()
 
     def stop(self) -> None:
-        """Write what has arrived; unsubscribe from everything."""
+        """Unsubscribe from all topics; write the received messages."""
         self._topics.close()
-        # What is sent until it records again is not lost.
+        # Messages sent until the node is active again do not count as lost.
         self._numbers.pause()
         if self._early:
             self._lost += len(self._early)
@@ -133,7 +133,7 @@ class RecorderNode(ManagedNode):
             self.failed = True
             raise
         finally:
-            # Not the node's logger: its /rosout may be gone by now.
+            # Not the logger of the node: its /rosout publisher may be gone.
             missing = self._lost_on_the_way
             get_logger(LOGGER).info(
                 f'{self._writer.path}: {self._writer.written} messages, '
@@ -159,7 +159,7 @@ class RecorderNode(ManagedNode):
         self._write(topic, type_name, cdr, info, received)
 
     def _wait_for_clock(self, topic: str, type_name: str, cdr: bytes, info: MessageInfo) -> None:
-        """Keep a message until /clock tells a time; the oldest are lost where memory ends."""
+        """Keep a message until the first /clock; beyond a memory limit the oldest are dropped."""
         self._early.append((topic, type_name, cdr, info))
         self._early_size += len(cdr)
         most = self.parameters['max_cache_size'] * MIB
@@ -169,13 +169,14 @@ class RecorderNode(ManagedNode):
 
     @property
     def _lost_on_the_way(self) -> int:
-        # The middleware tells nothing of the time in which it had given this process up.
+        # The middleware reports no losses while it considers this process dead; the message
+        # numbers show them.
         return self._lost + max(self._numbers.skipped, self._topics.lost)
 
     def _log_time(self, topic: str, info: MessageInfo) -> int:
-        """Return when a message was received, ns; 0 while /clock has not been heard of."""
+        """Return the time of reception of a message, ns; 0 before the first /clock."""
         if self.get_parameter('use_sim_time').value:
-            # It may jump back, as a recording that is played in a loop does; the log follows it.
+            # Simulated time may jump back when a recording is played in a loop; so does log time.
             return int(self.get_clock().now().nanoseconds)
         now = time.time_ns()
         return self._arrivals.of(topic, info['received_timestamp'] or now, now=now)
@@ -186,7 +187,7 @@ class RecorderNode(ManagedNode):
         qos = self._qos.get(topic)
         if qos is None:
             if len(self._qos) >= MOST_HEARD:
-                # They are asked for again.
+                # The profiles are requested again.
                 self._qos.clear()
             qos = self._qos[topic] = self._offered(topic)
         try:
@@ -199,11 +200,11 @@ class RecorderNode(ManagedNode):
                 qos=qos,
             )
         except BearingTwinError as error:
-            # A single file that has no number left for a further topic.
+            # A single file has no channel number left for another topic.
             self._lost += 1
             self.get_logger().error(str(error), once=True)
             return
-        # A writer that the timer keeps waiting flushes by itself.
+        # The writer may have flushed by itself, if the timer was late: report its problem.
         self._tell_problem()
         self._watch.see(topic, type_name, cdr, received)
 
@@ -213,7 +214,7 @@ class RecorderNode(ManagedNode):
         except Exception:
             if self.context.ok():
                 raise
-            # Told to end: rclpy answers no more, and what has come is written nevertheless.
+            # rclpy does not answer after a shutdown; still write the message.
             return ''
 
     def _flush(self) -> None:
@@ -222,7 +223,7 @@ class RecorderNode(ManagedNode):
         self._tell_problem()
 
     def _tell_problem(self) -> None:
-        """Log what keeps messages from the disk, where it begins and where it ends."""
+        """Log a problem with the disk when it begins and when it ends."""
         problem = self._writer.problem
         if problem and problem != self._told:
             self.get_logger().error(f'not recording: {problem}')
@@ -282,12 +283,12 @@ class RecorderNode(ManagedNode):
 
 def build_writer(values: Mapping[str, Any]) -> RecordingWriter | SnapshotWriter:
     """
-    Return the writer that the parameters describe, its file made.
+    Return the writer for the given parameters; this creates the recording.
 
     Raises
     ------
     BearingTwinError
-        If it cannot be made, or the parameters do not fit together.
+        If the recording cannot be created, or the parameters contradict each other.
 
     """
     path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')

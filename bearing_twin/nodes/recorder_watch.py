@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the recorder reads out of the messages it writes: parameters, alarms, pictures."""
+"""Evaluate messages while they are recorded: parameters, fault alarms, Rerun output."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
 DIAGNOSIS = 'bearing_twin_msgs/msg/Diagnosis'
 FAULT = 2
 MOST_ATTACHED = 16 * 1024 * 1024
-"""Most that is kept of the parameters of nodes, bytes; they are repeated in every file."""
+"""Most bytes of node parameters that are attached; they are repeated in every file."""
 LONGEST_READ = 5.0
-"""Longest that parameters which have not been read hold up the end, s."""
+"""Longest time for reading the remaining parameters at the end, s."""
 LIBRARIES = ('numpy', 'scipy', 'numba', 'mcap', 'rosbags', 'rerun-sdk', 'rclpy')
 
 
 class RecordingWatch:
     """
-    Look at messages as they are recorded.
+    Evaluate messages while they are recorded.
 
-    Parameters of the nodes (from their checkpoints) and the bearings they name are attached to the
-    recording; a diagnosis that turns to fault triggers a snapshot; Rerun gets everything. Trouble
-    with any of it is reported and never keeps a message from being recorded.
+    Parameters of the nodes (from their checkpoints) and their bearings are attached to the
+    recording. A diagnosis that changes to fault triggers a snapshot. Rerun receives all messages.
+    Errors of these tasks are reported and never prevent a message from being recorded.
     """
 
     def __init__(
@@ -56,11 +56,11 @@ class RecordingWatch:
         logger: RcutilsLogger,
     ) -> None:
         self.problem = ''
-        """What does not work; '' if nothing."""
+        """The last error; '' if there is none."""
         self._writer = writer
         self._logger = logger
         self._troubled = ''
-        # Of each node; what has not been read yet, with the version of the node.
+        # Parameters by node (YAML), and the version of each node whose parameters are unread.
         self._configurations: dict[str, str] = {}
         self._unread: dict[str, str] = {}
         self._attached = 0
@@ -71,7 +71,7 @@ class RecordingWatch:
         if values['rerun_file'] or values['rerun_port']:
             port = values['rerun_port']
             try:
-                # It takes a second to load, which a recorder without it should not wait for.
+                # Imported only when needed: the import takes a second.
                 from bearing_twin.view.rerun import logger as rerun
 
                 self._rerun = rerun.RerunLogger(
@@ -83,7 +83,7 @@ class RecordingWatch:
                 self.problem = f'nothing is drawn: {error} (-p rerun_port:=N, -p rerun_file:=FILE)'
                 logger.error(self.problem)
             except ImportError as error:
-                # rosdep has no key for it.
+                # rosdep has no key for rerun-sdk, so it may be missing.
                 self.problem = (
                     f'nothing is drawn: {error} (pip install rerun-sdk, or rerun_port:=0)'
                 )
@@ -91,11 +91,11 @@ class RecordingWatch:
 
     @property
     def pictures_dropped(self) -> int:
-        """Pictures that live viewers miss because one of them did not keep up."""
+        """Messages that live Rerun viewers missed because one of them was too slow."""
         return self._rerun.dropped if self._rerun is not None else 0
 
     def see(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
-        """Look at one message; ``received`` in ns."""
+        """Evaluate one message; ``received`` is its log time, ns."""
         interesting = type_name in (CHECKPOINT, DIAGNOSIS)
         if not interesting and self._rerun is None:
             return
@@ -111,9 +111,9 @@ class RecordingWatch:
 
     def read(self, seconds: float) -> None:
         """
-        Attach the parameters that nodes have told of; what takes longer waits for the next time.
+        Attach node parameters from checkpoints for up to ``seconds``; the rest waits.
 
-        A text from outside may take seconds, in which nobody would take the messages that come.
+        Reading an untrusted text may take seconds, in which no messages would be received.
         """
         end = time.monotonic() + seconds
         while self._unread and time.monotonic() < end:
@@ -128,7 +128,7 @@ class RecordingWatch:
         Raises
         ------
         BearingTwinError
-            If the node records all the time, or the file cannot be made.
+            If the node records continuously, or the file cannot be created.
 
         """
         if not isinstance(self._writer, SnapshotWriter):
@@ -137,14 +137,14 @@ class RecordingWatch:
         self._writer.trigger(now)
 
     def close(self) -> None:
-        """Attach what is left; finish the Rerun recording."""
+        """Attach the remaining parameters; finish the Rerun recording."""
         self.read(LONGEST_READ)
         if self._rerun is not None:
             self._rerun.close()
 
     @contextlib.contextmanager
     def _looking_at(self, what: str) -> Iterator[None]:
-        """Report trouble until what made it makes none: recording goes on whatever it is."""
+        """Turn any error into a reported problem; clear it when the same task succeeds again."""
         try:
             yield
         except Exception as error:
@@ -177,7 +177,7 @@ class RecordingWatch:
             | {str(key): str(value) for key, value in values.items()},
         )
         if not values.get('bearing'):
-            # A bearing of the user's own, or a fleet: it stands in the parameters.
+            # A custom bearing or a fleet: the parameters already contain the geometry.
             return
         bearing = asdict(find_bearing(values['bearing']))
         self._writer.attach(
@@ -191,7 +191,7 @@ class RecordingWatch:
         fault = diagnosis.level == FAULT
         if fault and not before and isinstance(self._writer, SnapshotWriter):
             self._logger.info(f'{diagnosis.fault_code} on {topic}: a snapshot is written')
-            # Where that fails, the next verdict tries again.
+            # If this fails, the next verdict triggers again.
             self._writer.trigger(received)
         self._in_fault[topic] = fault
 

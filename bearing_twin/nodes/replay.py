@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
 LONG_WAIT = 60.0
-"""Wait for the next message that is told, s."""
+"""Shortest wait for the next message that is logged, s."""
 MOST_AT_ONCE = 100
-"""Messages after which services and parameters are looked at."""
+"""Most messages to publish before services and parameters get a turn."""
 
 SPECS = (
     fixed('recording', '', 'MCAP file or bag folder to replay.'),
@@ -64,15 +64,15 @@ class ReplayNode(ManagedNode):
     """
     Publish the messages of a recording at their own pace, or faster.
 
-    The bytes go out as they were recorded. A thread of its own keeps the pace, so that services
-    and parameters answer meanwhile.
+    The recorded bytes are published unchanged. A separate thread keeps the pace, so that services
+    and parameters can answer.
     """
 
     def __init__(self) -> None:
         super().__init__('replay', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that do not fit together."""
+        """Refuse invalid topic names in ``remap``."""
         remapping(values['remap'])
 
     def setup(self) -> None:
@@ -110,7 +110,7 @@ class ReplayNode(ManagedNode):
                     message_class(topic.type_name), names.get(name, name), replay_qos(topic.qos)
                 )
             except (BearingTwinError, NameValidationException) as error:
-                # Other recorders take names that ROS does not have.
+                # Other recorders accept topic names that are invalid in ROS.
                 self._left_out[name] = str(error)
                 self.get_logger().error(shown(f'{name} is left out: {error}'))
         self._clock_publisher = (
@@ -126,28 +126,28 @@ class ReplayNode(ManagedNode):
         self.health.add('replay', self._status)
 
     def start(self) -> None:
-        """Begin to play."""
+        """Start the thread that plays."""
         self._playing = True
         self._thread = threading.Thread(target=self._play, name='replay')
         self._thread.start()
 
     def stop(self) -> None:
-        """Stop; a later start goes on from here."""
-        # Before the lock, which a batch of messages may hold for long.
+        """Stop playing; a later start continues from here."""
+        # Set before waiting for the lock, which a batch of messages may hold for long.
         self._playing = False
         with self._wake:
             self._wake.notify()
         self._thread.join()
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take a changed pace."""
+        """Apply a changed pace."""
         with self._wake:
             self._catch_up()
             self._player.rate = values['rate']
             self._wake.notify()
 
     def _catch_up(self) -> None:
-        """Let recorded time come up to now, before its pace changes; it stands where none runs."""
+        """Advance recorded time to now before the pace changes, if the thread is playing."""
         if self._running:
             self._player.wait(time.monotonic())
 
@@ -156,11 +156,11 @@ class ReplayNode(ManagedNode):
             self._play_through()
         except Exception as error:
             if self.executor is not None:
-                # Who runs the node ends it, as for an error of any callback.
+                # The executor ends the node, as after an error in any callback.
                 self.executor.create_task(self._fail, error)
 
     def _fail(self, error: Exception) -> None:
-        """Report why the recording cannot be played on; end with an error."""
+        """Report why playing cannot continue; end the node with this error."""
         self._problem = str(error)
         self.failed = True
         self.health.publish()
@@ -244,7 +244,7 @@ class ReplayNode(ManagedNode):
     def _end(self) -> None:
         self._show_progress()
         for publisher in self._topics.values():
-            # Best-effort publishers have nothing to wait for and answer at once.
+            # With best-effort publishers this returns at once.
             publisher.wait_for_all_acked(Duration(seconds=1))
         self.get_logger().info('the recording has ended')
         self.failed = bool(self._left_out or self._player.info.problems)
@@ -293,7 +293,7 @@ class ReplayNode(ManagedNode):
 
 
 def _check_definition(topic: TopicInfo) -> None:
-    """Raise BearingTwinError for bytes that the installed message would read in another way."""
+    """Raise BearingTwinError if the recorded type differs from the installed message type."""
     try:
         ours = message_schema(topic.type_name).type_hash
     except BearingTwinError:

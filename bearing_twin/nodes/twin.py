@@ -33,17 +33,18 @@ class TwinNode(ManagedNode):
     """
     Advance the bearing's equations of motion in step with the clock.
 
-    The twin does the work; this node moves messages, keeps the deadlines and answers services.
+    The twin computes; this node passes messages, keeps the deadlines and answers services.
     """
 
     def __init__(self) -> None:
         super().__init__('twin', (*SPECS, *PUBLISHING))
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that do not fit together."""
+        """Refuse parameters that contradict each other or a calibration of the twin."""
         own, rate = build_parameters(values), values['sample_rate']
         steps(own, rate)
-        # Also the calibration in force, which may be of the topic, and that of the next block.
+        # Check the calibrations in force and for the next block, which may come from the topic,
+        # and the one that the parameters name.
         taken: list[Fitted | None] = list(self._twin.calibrations) if self.configured else []
         taken.append(self._calibration.asked(values)[1] if self.configured else named(values))
         for fitted in filter(None, taken):
@@ -51,11 +52,11 @@ class TwinNode(ManagedNode):
         realtime.check_thresholds(values)
 
     def prepare(self) -> None:
-        """Compile the kernel."""
+        """Compile the numerical functions."""
         Twin(self.parameters.values).warm()
 
     def setup(self) -> None:
-        """Warm the kernel; create publishers, subscriptions, services."""
+        """Build and warm the twin; create publishers, subscriptions, services and statuses."""
         p = self.parameters
         self._twin = Twin(
             p.values, node=self.get_fully_qualified_name(), clock=receiver_clock(self)
@@ -77,7 +78,7 @@ class TwinNode(ManagedNode):
         self._calibration = TwinCalibration(self, self._twin, p.values, self.health)
 
     def start(self) -> None:
-        """Start the clock of the blocks."""
+        """Start the block cycle."""
         p = self.parameters
         self._topics.await_subscribers(p['wait_for_subscribers'])
         self._twin.ask_checkpoint()
@@ -88,11 +89,11 @@ class TwinNode(ManagedNode):
         )
 
     def stop(self) -> None:
-        """Stop the clock of the blocks."""
+        """Stop the block cycle."""
         self._cycle.stop()
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take changed parameters; the motion goes on from where it is."""
+        """Apply changed parameters; the motion continues from its current state."""
         self._twin.apply(values)
         self._calibration.apply(values)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A running twin takes calibrations: from a file, or from the topic of the calibration node."""
+"""Apply calibrations to a running twin, from a file or the topic of the calibration node."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def named(values: Mapping[str, Any]) -> Fitted | None:
     Raises
     ------
     BearingTwinError
-        If the file cannot be read, or is no calibration.
+        If the file cannot be read or is not a calibration.
 
     """
     if not values['calibration']:
@@ -41,14 +41,14 @@ def named(values: Mapping[str, Any]) -> Fitted | None:
 
 
 class TwinCalibration:
-    """Hand a twin its calibrations, and say how alike it and its machine are."""
+    """Apply calibrations to a twin, and report how similar it is to its machine."""
 
     def __init__(
         self, node: ManagedNode, twin: Twin, values: Mapping[str, Any], health: Health
     ) -> None:
         self._node, self._twin, self._health = node, twin, health
         self._name, self._text, self._problem = '', '', ''
-        # Whether the newest calibration came by the topic.
+        # Whether the newest calibration came from the topic.
         self._heard = False
         self._topic = (
             subscribe(node, Calibration, 'calibration', self._on_calibration, RESULT)
@@ -58,7 +58,7 @@ class TwinCalibration:
         self.apply(values)
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take the calibration that changed parameters name."""
+        """Apply the calibration that changed parameters name."""
         if values['calibration'] or values['follow_calibration']:
             self._health.add('calibration', self.status)
         differs, fitted = self.asked(values)
@@ -69,14 +69,14 @@ class TwinCalibration:
 
     def asked(self, values: Mapping[str, Any]) -> tuple[bool, Fitted | None]:
         """
-        Whether the parameters name another calibration than before, by name or content; and it.
+        Return whether the parameters name a new calibration, by name or content, and this one.
 
-        A file that has gone, or is out of reach, since it was read is no other one.
+        A file that was removed or became unreachable after it was read is not a new calibration.
         """
         name = values['calibration']
         same = name == self._name
         folder = StateFolder(values['state_directory'])
-        # Not Path.exists: it raises where a disk does not answer.
+        # Not Path.exists, which raises if a disk does not answer.
         if same and name and not os.path.lexists(folder.path(name)):
             return False, None
         fitted = named(values)
@@ -96,12 +96,12 @@ class TwinCalibration:
         return topic is not None and self._node.count_publishers(topic.topic_name) > 0
 
     def status(self) -> Status:
-        """Status for /diagnostics: what the twin has taken, and how alike it is since then."""
+        """Return the status for /diagnostics: the calibration, and the similarity since then."""
         sensor = self._twin.sensor
         if self._problem:
             return Status(Level.WARN, f'calibration not taken: {self._problem}', {})
         if sensor is None:
-            # A twin may follow in case the calibration node is started beside it.
+            # follow_calibration may be set although no calibration node is running.
             waits = self._published()
             text = 'no calibration yet' if waits else 'runs by its own parameters'
             return Status(Level.STALE if waits else Level.OK, text, {})

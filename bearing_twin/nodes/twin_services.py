@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Services of one twin, alone in its node or one of a fleet."""
+"""Services of one twin, in a twin node or a fleet node."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class TwinServices:
     def _on_inject(
         self, request: InjectDefect.Request, response: InjectDefect.Response
     ) -> InjectDefect.Response:
-        # Through the parameters, so that they say what runs and the same checks hold.
+        # Set through the parameters, so that they stay true and the same checks apply.
         result = self._node.set_parameters_atomically(
             [
                 Parameter(f'{self._prefix}defect', value=request.place),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics and input status of one twin: a twin node has one, a fleet many."""
+"""Topics and statuses of one twin, in a twin node or a fleet node."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class TwinTopics:
             subscribe(node, kind, f'{prefix}{topic}', take, MEASUREMENT, group=node.polled)
 
     def await_subscribers(self, count: int, deadline: float = math.inf) -> None:
-        """Wait until ``count`` subscribers hear the vibration; 10 s, or until ``deadline``."""
+        """Wait for ``count`` subscribers to the vibration, at most 10 s or until ``deadline``."""
         deadline = min(deadline, time.monotonic() + LONGEST_WAIT)
         while self.vibration.get_subscription_count() < count:
             if time.monotonic() > deadline or not self._node.context.ok():
@@ -91,12 +91,12 @@ class TwinTopics:
             self._checkpoint.publish(checkpoint)
 
     def warm(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
-        """Make the messages of a block that is not published: the first one has a deadline."""
+        """Serialise a block without publishing it, as the first published one has a deadline."""
         self.bytes.vibration(made, due, self._twin.values)
         self.bytes.state(made, due, self._twin.values, fields)
 
     def publish_state(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
-        """Publish the state after a block, with its fields on real time, if it is its turn."""
+        """Publish the state after a block, with its real-time fields, if it is due."""
         values = self._twin.values
         inputs = made.temperature.used, made.temperature.status, made.shaft_hz
         counters = fields['blocks_late'], fields['blocks_dropped']
@@ -105,16 +105,16 @@ class TwinTopics:
             self._state.publish(self.bytes.state(made, due, values, fields))
 
     def status(self) -> Status:
-        """Status of the inputs for /diagnostics."""
+        """Return the status of the inputs for /diagnostics."""
         return temperature_status(self._twin.temperature, *self._twin.problems())
 
     def validity(self) -> Status:
-        """Limits of model and life that are passed, for /diagnostics."""
+        """Return the status of exceeded limits of model and bearing life, for /diagnostics."""
         return validity_status(self._condition)
 
 
 def validity_status(condition: Condition | None) -> Status:
-    """Return the status of the limits that a twin has passed; None before its first block."""
+    """Return the status of the limits that a twin exceeds; ``condition`` is None at first."""
     passed, warnings, text = 0, '', 'no block yet'
     numbers = (math.nan,) * 4
     if condition is not None:
