@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One twin, one diagnosis, as a node or an offline run hosts it. No rclpy."""
+"""A twin, a diagnosis or a calibration, as nodes and offline runs host it. Imports no rclpy."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Checkpoints, from which a recording can be re-run: when they are due, and what they hold."""
+"""Checkpoints, from which a recording can be re-run: schedule and content."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 
 class Checkpoints:
     """
-    Make a checkpoint of a node each period, and after each step that breaks the sequence.
+    Make checkpoints of a node, one per period and one after each discontinuity of its state.
 
-    ``kind``: ``'twin'``, ``'fleet'`` or ``'diagnosis'``; ``node``: its full name; ``period``: s.
+    ``kind`` is ``'twin'``, ``'fleet'`` or ``'diagnosis'``, ``node`` the full name of the node, and
+    ``period`` the time between checkpoints in s.
     """
 
     def __init__(self, kind: str, node: str, period: float) -> None:
@@ -34,11 +35,11 @@ class Checkpoints:
         self._due = -math.inf
 
     def ask(self) -> None:
-        """Let a checkpoint precede the next block: its state does not follow from before."""
+        """Request a checkpoint before the next block, after a discontinuity of the state."""
         self._due = -math.inf
 
     def is_due(self, first_sample: int) -> bool:
-        """Whether a checkpoint is to precede the block that begins at ``first_sample``."""
+        """Return whether a checkpoint is due before the block that begins at ``first_sample``."""
         return first_sample >= self._due
 
     def make(
@@ -51,10 +52,11 @@ class Checkpoints:
         state: bytes,
     ) -> Checkpoint:
         """
-        Return the checkpoint before a block; the next one is due a period later.
+        Return the checkpoint before a block; the next one is due one period later.
 
-        Index, stamp (ns) and rate are of its first sample, ``configuration`` the parameters in
-        force (YAML), ``state`` that before it.
+        ``first_sample``, ``stamp`` (ns) and ``sample_rate`` (Hz) belong to the first sample of
+        the block. ``configuration`` holds the parameters in force (YAML), and ``state`` is the
+        state before the block.
         """
         self._due = first_sample + round(self._period * sample_rate)
         return Checkpoint(
@@ -69,7 +71,7 @@ class Checkpoints:
 
 
 def configuration_values(checkpoint: Any) -> dict[str, Any]:
-    """Read the configuration of a checkpoint."""
+    """Return the parameters in the configuration of a checkpoint, by name."""
     values = load_plain(str(checkpoint.configuration), 'the configuration of a checkpoint')
     if not isinstance(values, dict):
         msg = 'the configuration of a checkpoint is no table of parameters'

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From checked blocks of vibration to the messages of a verdict, live and offline alike."""
+"""Turn checked blocks of vibration into verdicts and their messages, live and offline."""
 
 from __future__ import annotations
 
@@ -33,28 +33,28 @@ if TYPE_CHECKING:
 
 
 class Verdict(NamedTuple):
-    """A verdict, and the messages in which it is published."""
+    """A verdict and its messages."""
 
     result: DiagnosisResult
     diagnosis: Diagnosis
     features: dict[str, Float64MultiArray]
-    """By the name of the topic below ``features``."""
+    """Messages by the name of their topic below ``features``."""
     spectrum: Spectrum
     envelope_spectrum: Spectrum
 
 
 @dataclass(frozen=True)
 class DueVerdict:
-    """A verdict that is due. Verdicts are judged in the order in which they fell due."""
+    """A verdict that is due. Due verdicts must be judged in order."""
 
     excerpt: Excerpt
-    """To be analysed, in any thread."""
+    """Samples to analyse, in any thread."""
     block: VibrationBlock
-    """The last one of the window."""
+    """The last block of the window."""
     diagnoser: StreamingDiagnoser | SeriesDiagnoser
 
     def judge(self, analysis: Analysis) -> Verdict:
-        """Judge the window by its analysis."""
+        """Return the verdict on the window by its analysis."""
         result = self.diagnoser.judge(analysis)
         last, frame_id = self.block, self.block.frame_id
         before = self.excerpt.first_sample - last.first_sample
@@ -72,24 +72,24 @@ class DueVerdict:
 
 
 class DiagnosisCore:
-    """The diagnosis that a set of parameters describes."""
+    """Diagnosis with given parameters."""
 
     def __init__(self, values: Mapping[str, object]) -> None:
         self.diagnoser = build_diagnoser(values)
         self._axis = values['axis']
         self.nominal_hz = nominal_speed(values)
-        """Speed where nobody knows a better one, Hz; NaN if the parameters have none."""
+        """Shaft speed by parameter, used if none is measured, Hz; NaN if it is not set."""
         self.rate_problem = ''
-        """How the declared sample rate and that of the stamps differ; '' if they do not."""
+        """How declared sample rate and stamps contradict each other; '' if they do not."""
         self._rate_meter = RateMeter()
 
     @property
     def bearing(self) -> Bearing:
-        """Geometry in use."""
+        """Bearing in use."""
         return self.diagnoser.bearing
 
     def reconfigure(self, values: Mapping[str, object]) -> None:
-        """Take other parameters; the window starts anew, the baseline stays."""
+        """Apply changed parameters; a new window begins, the baseline stays."""
         self.nominal_hz = nominal_speed(values)
         settings = build_settings(values)
         if bool(settings.series_cycle) != bool(self.diagnoser.settings.series_cycle):
@@ -98,7 +98,7 @@ class DiagnosisCore:
 
     def admit(self, block: VibrationBlock) -> None:
         """
-        Measure the sample rate at a block, before it is taken.
+        Check the sample rate of a block against its stamp; call this before :meth:`take`.
 
         Raises
         ------
@@ -123,12 +123,12 @@ class DiagnosisCore:
         block
             The block.
         temperature
-            Of the bearing, degC; NaN where there is none.
+            Temperature of the bearing, degC; NaN if unknown.
         joint_hz
-            Speed of a joint, for where the block has none, Hz; NaN: that of the parameters.
+            Shaft speed from a joint, Hz, used if the block has none; NaN: use the parameter.
 
         """
-        # The source knows best; then a joint; the parameter is but a nameplate.
+        # Order of trust: the block, then the joint, then the parameter (nameplate speed).
         measured = joint_hz if math.isnan(block.shaft_hz) else block.shaft_hz
         excerpts = self.diagnoser.take(
             block.first_sample,

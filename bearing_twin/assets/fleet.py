@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Many twins that are advanced together: the file that lists them, and what is built of it."""
+"""Read the file that lists the assets of a fleet, and build the fleet of their twins."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 SHARED = ('sample_rate', 'block_size', 'checkpoint_period')
-"""Parameters that are one for all twins of a fleet: their blocks are computed together."""
+"""Parameters that are common to all twins of a fleet: their blocks are computed together."""
 
 TWIN_SPECS = tuple(spec for spec in twin_parameters.SPECS if spec.name not in SHARED)
 DIAGNOSIS_SPECS = diagnosis_parameters.SPECS
@@ -33,20 +33,20 @@ PARTS = ('twin', 'diagnosis')
 
 @dataclass(frozen=True)
 class Asset:
-    """One bearing of the fleet; None where the fleet does not host that part."""
+    """One bearing of a fleet."""
 
     name: str
-    """Namespace of its topics, relative to the node's."""
+    """Namespace of its topics, relative to the namespace of the node."""
     twin: dict[str, Any] | None = field(default_factory=dict)
-    """Parameters of its twin that differ from the defaults."""
+    """Parameters of its twin that differ from the defaults; None: no twin is hosted."""
     diagnosis: dict[str, Any] | None = field(default_factory=dict)
 
 
 def read_assets(path: str, names: list[str]) -> list[Asset]:
     """
-    Return the assets of a file, or of a list of names where ``path`` is ''.
+    Return the assets of a file, or of a list of names if ``path`` is ''.
 
-    The file holds, with either part left out where it is not wanted::
+    In the file, each asset has a twin, a diagnosis, or both::
 
         assets:
           line3/pump_7:
@@ -56,7 +56,8 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
     Raises
     ------
     BearingTwinError
-        If there are no assets, the file cannot be read, or a name is not a ROS namespace.
+        If there are no assets, the file cannot be read, a name is used twice or is not a ROS
+        namespace, or two diagnoses share a saved state.
 
     """
     if not path:
@@ -81,14 +82,14 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
 
 
 def _state(asset: Asset) -> tuple[Any, Any] | None:
-    """Return where the diagnosis of an asset keeps its baseline; None where it keeps none."""
+    """Return folder and name of the saved state of a diagnosis; None if none is saved."""
     values = asset.diagnosis or {}
     name = values.get('state_name')
     return (values.get('state_directory'), name) if name else None
 
 
 class _EachOnce(yaml.SafeLoader):
-    """Refuse a name that a table has twice: YAML itself keeps the last, and says nothing."""
+    """YAML loader that refuses duplicate keys; PyYAML itself silently keeps the last one."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         counts = Counter(str(key.value) for key, _ in node.value)
@@ -131,7 +132,7 @@ def _asset(path: str, name: Any, parts: Any) -> Asset:
 
 
 def _flat(values: dict[Any, Any]) -> dict[str, Any]:
-    """Return parameters of nested tables under dotted names, as files of ROS parameters mean."""
+    """Return parameters of nested tables by dotted names, as in ROS parameter files."""
     flat: dict[str, Any] = {}
     for name, value in values.items():
         if isinstance(value, dict):
@@ -143,14 +144,15 @@ def _flat(values: dict[Any, Any]) -> dict[str, Any]:
 
 def build_fleet(values: Iterable[Mapping[str, Any]], *, threads: int = 1) -> Fleet:
     """
-    Return twins at their start, in one fleet.
+    Return a fleet of twins in their initial state.
 
-    Values that they share are those of the first; ``threads`` are cores that the equations use.
+    Common parameters are taken from the first twin. ``threads`` is the number of cores that
+    compute the equations.
 
     Raises
     ------
     BearingTwinError
-        If the parameters of a twin do not fit together, or some are missing.
+        If parameters of a twin contradict each other or are missing.
 
     """
     values = list(values)

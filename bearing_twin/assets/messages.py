@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Core results to ROS messages. Live and offline runs both build their messages here."""
+"""Convert results of the core to ROS messages, for live and offline runs."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 
 def time_message(ns: int) -> Time:
-    """Nanoseconds to a stamp; clamped to what the message can carry."""
+    """Return a time in ns as a stamp, clamped to the range of the message."""
     sec, nanosec = split_ns(ns)
     return Time(sec=sec, nanosec=nanosec)
 
 
 def floats(values: NDArray[np.floating]) -> array.array[float]:
-    """Return a float32 array as array.array, which rclpy takes 70 times faster than ndarray."""
+    """Return values as float32 array.array; rclpy reads it 70 times faster than an ndarray."""
     return array.array('f', np.ascontiguousarray(values, dtype=np.float32).tobytes())
 
 
@@ -41,7 +41,7 @@ def message_header(stamp: int, frame_id: str) -> Header:
 def diagnosis_message(
     result: DiagnosisResult, *, stamp: int, frame_id: str, bearing: str
 ) -> Diagnosis:
-    """Verdict on a window whose first sample was taken at ``stamp`` ns."""
+    """Return the message of a verdict; ``stamp`` (ns) is the time of its first sample."""
     severity = result.severity
     window_result, window_level = result.window or (result.result, result.level)
     strongest = result.faults[0] if result.faults else _highest(result.score)
@@ -99,7 +99,7 @@ def diagnosis_message(
 def spectrum_message(
     spectrum: SpectrumResult, result: DiagnosisResult, *, stamp: int, frame_id: str
 ) -> Spectrum:
-    """Either spectrum of a window, with the cursors of its verdict."""
+    """Return the message of a spectrum, with the frequencies of the verdict as cursors."""
     return Spectrum(
         header=message_header(stamp, frame_id),
         first_sample=result.first_sample,
@@ -122,10 +122,10 @@ def spectrum_message(
 
 def features_messages(message: Diagnosis) -> dict[str, Float64MultiArray]:
     """
-    Return the figures that people watch, each for a topic of its own, by the name of its field.
+    Return the features of a Diagnosis, one message for each field in ``FEATURES``, by field name.
 
-    Lists of one element, since a viewer that does not know our messages draws these by themselves
-    (Rerun), and a plain Float64 not.
+    The messages are arrays of one element. Viewers without the types of this package, such as
+    Rerun, plot these, but not a plain Float64.
     """
     return {
         name: Float64MultiArray(data=array.array('d', [getattr(message, name)]))
@@ -134,6 +134,6 @@ def features_messages(message: Diagnosis) -> dict[str, Float64MultiArray]:
 
 
 def _highest(score: dict[str, float]) -> str:
-    """Place with the highest score; '' where none is known."""
+    """Return the place with the highest score; '' if no score is known."""
     known = [place for place in PLACES if math.isfinite(score.get(place, math.nan))]
     return max(known, key=lambda place: score[place], default='')

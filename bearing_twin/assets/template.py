@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages that differ in numbers only, as bytes: the numbers are written into serialized ones."""
+"""Serialise messages fast: write changed numbers directly into the bytes of an earlier message."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ if TYPE_CHECKING:
 
 CODES = {'double': 'd', 'uint64': 'Q', 'uint32': 'I', 'int32': 'i', 'uint8': 'B'}
 PROBES = 8
-"""Messages of other numbers that show where a number stands: one byte may be there by chance."""
+"""Number of messages that are serialised to locate numbers: in one, bytes may match by chance."""
 WIDEST_PADDING = 7
 
 
 class MessageTemplate:
     """
-    Bytes of messages of one type whose strings and lengths of arrays stay as they are.
+    Serialised messages of one type with constant strings and array lengths.
 
-    Where a number stands is found out by serializing messages with known ones, so it is that of
-    the middleware in use. To fill a template takes a few microseconds, to build a message object
-    and have it serialized ten times as long.
+    The position of each number is found by serialising messages with known numbers, so it is
+    correct for the middleware in use. Filling a template takes a few microseconds; building and
+    serialising a message object takes ten times as long.
 
     Parameters
     ----------
     message
-        A message; it is used up.
+        A message; its fields are overwritten.
     numbers
-        Fields that are filled, in the order of the message; dotted where they are nested.
+        Names of number fields to fill, in the order of the message; dotted if nested.
     arrays
-        Fields of float32 that are filled.
+        Names of float32 array fields to fill.
     serialize
-        Returns the bytes of a message.
+        Function that returns the bytes of a message.
 
     Raises
     ------
     BearingTwinError
-        If a number cannot be found in the bytes.
+        If the position of a number in the bytes is not unique.
 
     """
 
@@ -62,7 +62,7 @@ class MessageTemplate:
         draw = np.random.default_rng(0)
         samples = []
         for _ in range(PROBES):
-            # Bytes of 1 to 63 make no infinity, no NaN, and no zero, which padding might be.
+            # Bytes of 1 to 63 never form an infinity, a NaN, or zeros, which could be padding.
             probes = [_bytes(draw, struct.calcsize(f'={code}')) for code in codes]
             blocks = [_bytes(draw, 4 * size) for size in sizes]
             for name, code, raw in zip(numbers, codes, probes, strict=True):
@@ -70,7 +70,7 @@ class MessageTemplate:
             for name, raw in zip(arrays, blocks, strict=True):
                 _put(message, name, np.frombuffer(raw, np.float32))
             samples.append((bytes(serialize(message)), probes, blocks))
-        # What differs and is no number is filled anew each time, or padding of no meaning: zeros.
+        # Set differing bytes to zero: they are the numbers to fill, or meaningless padding.
         serialized = np.array([np.frombuffer(cdr, np.uint8) for cdr, _, _ in samples])
         same = (serialized == serialized[0]).all(axis=0)
         self._buffer = bytearray(np.where(same, serialized[0], 0).tobytes())
@@ -96,7 +96,7 @@ class MessageTemplate:
         for layout, at, first, last in self._runs:
             layout.pack_into(self._buffer, at, *numbers[first:last])
         for place, values in zip(self._arrays, arrays, strict=True):
-            # Not by numpy, which lets other threads go first at each copy.
+            # Not by NumPy, which releases the interpreter lock at each copy.
             place[:] = values.data
         return bytes(self._buffer)
 
@@ -111,7 +111,7 @@ def _put(message: Any, name: str, value: Any) -> None:
     *path, last = name.split('.')
     owner = functools.reduce(getattr, path, message)
     if isinstance(value, np.ndarray):
-        # The array that the field holds takes the values: no conversion of types.
+        # Write into the existing array of the field: no conversion of types.
         np.frombuffer(operator.attrgetter(last)(owner), np.float32)[:] = value
     else:
         setattr(owner, last, value)
@@ -122,7 +122,7 @@ def _bytes(draw: np.random.Generator, count: int) -> bytes:
 
 
 def _place(name: str, samples: list[tuple[bytes, bytes]]) -> int:
-    """Return where a field's bytes stand in every sample."""
+    """Return the position of the bytes of a field, the same in every sample."""
     first, raw = samples[0]
     places, at = [], first.find(raw)
     while at >= 0:
@@ -138,7 +138,7 @@ def _place(name: str, samples: list[tuple[bytes, bytes]]) -> int:
 def _runs(
     buffer: bytearray, places: list[int], codes: list[str]
 ) -> list[tuple[struct.Struct, int, int, int]]:
-    """Return layouts of numbers that follow each other, with their place, first and last."""
+    """Return a layout for each run of adjacent numbers, with its position, first and end index."""
     runs: list[tuple[str, int, int, int]] = []
     for k, (at, code) in enumerate(zip(places, codes, strict=True)):
         if runs:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One twin as a node, a fleet or an offline run hosts it: inputs and blocks."""
+"""A twin for nodes, fleets and offline runs: inputs, blocks, calibration and saved state."""
 
 from __future__ import annotations
 
@@ -36,11 +36,12 @@ if TYPE_CHECKING:
 
 
 _SAVED = Envelope(b'BTfit\x00\x01\x00', struct.Struct('<?4I'), 'one fitted twin')
-"""Whether the next block changes the twin; sizes of state, calibration, sensor and next one."""
+"""Whether the calibration changes at the next block, and the sizes of simulator state,
+calibration, sensor state and next calibration, bytes."""
 
 
 class TwinInputs(NamedTuple):
-    """What a block is computed with."""
+    """Inputs of a block: temperature and shaft speed (Hz)."""
 
     temperature: GatedTemperature
     shaft_hz: float
@@ -55,10 +56,10 @@ class TwinChannel(Inputs):
     values
         Parameters of the twin node.
     settle
-        Called in the physical mode with the first temperature that was measured, degC: what the
-        twin took for the temperature before was none of the machine's.
+        Called in the physical mode with the first measured temperature, degC, because the start
+        temperature of the twin was not that of the machine.
     clock
-        The receiver's clock, s; simulated time may go back.
+        Clock of the receiver, s; simulated time may go back.
 
     """
 
@@ -83,19 +84,19 @@ class TwinChannel(Inputs):
 
     @property
     def inputs(self) -> TwinInputs:
-        """What a block that ends now is computed with."""
+        """Inputs of a block that ends now."""
         now = self.clock()
         return TwinInputs(self.gate.at(now), self.shaft.at(now))
 
     @property
     def start_temperature(self) -> float:
-        """Temperature at which the twin starts anew, degC: in the physical mode the measured."""
+        """Temperature for a restart of the twin, degC; the measured one in the physical mode."""
         if self.values['thermal_mode'] == 'physical':
             return self.temperature.used
         return float(self.values['start_temperature'])
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take changed parameters."""
+        """Apply changed parameters."""
         self.values = dict(values)
         self.set_timeout(values['temperature_timeout'])
         self.shaft.nominal = values['shaft_hz']
@@ -103,12 +104,12 @@ class TwinChannel(Inputs):
 
 class Twin(TwinChannel):
     """
-    A twin with a simulator of its own, of the parameters of a twin node.
+    A twin with its own simulator, for the parameters of a twin node.
 
     Raises
     ------
     BearingTwinError
-        If the parameters do not fit together, or some are missing.
+        If the parameters contradict each other, or some are missing.
 
     """
 
@@ -124,18 +125,18 @@ class Twin(TwinChannel):
             self.simulator = build_simulator(values)
             self._checkpoints = Checkpoints('twin', node, values['checkpoint_period'])
         self.sensor: Sensor | None = None
-        """The sensor of the machine whose calibration the twin has taken."""
+        """Sensor of the machine by the calibration in force; None without a calibration."""
         self._changing = False
         self._next: Fitted | None = None
 
     @property
     def fitted(self) -> Fitted | None:
-        """The calibration in force."""
+        """The calibration in force; None without one."""
         return self.sensor.fitted if self.sensor is not None else None
 
     @property
     def calibrations(self) -> tuple[Fitted | None, Fitted | None]:
-        """The calibration in force, and the one of the next block."""
+        """The calibration in force, and the one that begins with the next block."""
         return self.fitted, self._next
 
     @property
@@ -144,40 +145,40 @@ class Twin(TwinChannel):
         return ACCELERATION if self.fitted is None else self.fitted.unit
 
     def warm(self) -> None:
-        """Compile what a block needs: the first one has a deadline."""
+        """Compile the functions for a block beforehand, as the first block has a deadline."""
         v = self.values
         self.simulator.advance(v['block_size'], v['start_temperature'], v['shaft_hz'])
         self.simulator.condition()
         self.simulator.reset()
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take changed parameters; the motion goes on from where it is."""
+        """Apply changed parameters; the motion continues from its current state."""
         super().apply(values)
         self.simulator.reconfigure(self._parameters(self.fitted))
         self.ask_checkpoint()
 
     def take(self, fitted: Fitted | None) -> None:
         """
-        Take a calibration, or give it up, with the next block: that one fades from twin to twin.
+        Apply a calibration, or drop it (None), in the next block, which fades between both twins.
 
         Raises
         ------
         BearingTwinError
-            If it is of another bearing or sample rate.
+            If it belongs to another bearing or sample rate.
 
         """
         if fitted is not None:
             fitted.check(build_parameters(self.values), self.values['sample_rate'])
-            # Compiled, or loaded, before a block needs it.
+            # Compile or load the filter before a block needs it.
             fitted.path.filter().apply([0.0])
         differs = (fitted and fitted.text) != (self.fitted and self.fitted.text)
-        # What was asked for before this, and not begun, is not done any more.
+        # This replaces an earlier request that has not begun yet.
         if differs or self._changing:
             self._changing, self._next = differs, fitted if differs else None
             self.ask_checkpoint()
 
     def reset(self) -> None:
-        """Go back to the start."""
+        """Return to the initial state, with the calibration in force."""
         self.simulator.start = self.start_temperature, self.simulator.shaft_hz
         self.simulator.reset()
         if self.sensor is not None:
@@ -185,7 +186,7 @@ class Twin(TwinChannel):
         self.ask_checkpoint()
 
     def _begin_at(self, temperature: float) -> None:
-        """Take the first measured temperature for one that the machine has had for long."""
+        """Begin in the steady state of the first measured temperature, degC."""
         self.simulator.settle(temperature)
         self.ask_checkpoint()
 
@@ -204,12 +205,12 @@ class Twin(TwinChannel):
 
     def load(self, state: bytes) -> None:
         """
-        Go on from a saved state, with the calibration that was in force.
+        Continue from a saved state, with the calibration that was in force.
 
         Raises
         ------
         BearingTwinError
-            If it is invalid; the twin then goes on as it was.
+            If the state is invalid. The twin is then unchanged.
 
         """
         changing, parts = False, [bytes(state), b'', b'', b'']
@@ -237,15 +238,15 @@ class Twin(TwinChannel):
         self.ask_checkpoint()
 
     def ask_checkpoint(self) -> None:
-        """Let a checkpoint precede the next block."""
+        """Request a checkpoint before the next block."""
         self._checkpoints.ask()
 
     def needs_checkpoint(self, due: Due) -> bool:
-        """Whether a checkpoint is to precede the block ``due``."""
+        """Return whether a checkpoint is due before the block ``due``."""
         return self._checkpoints.is_due(due.first_sample)
 
     def checkpoint(self, due: Due, configuration: str) -> Checkpoint | None:
-        """Return the checkpoint before the block ``due``; None if it is not time for one."""
+        """Return the checkpoint before the block ``due``; None if no checkpoint is due."""
         if not self.needs_checkpoint(due):
             return None
         return self._checkpoints.make(
@@ -257,7 +258,7 @@ class Twin(TwinChannel):
         )
 
     def advance(self, inputs: TwinInputs | None = None, n: int | None = None) -> TwinBlock:
-        """Compute the next block as the sensor gives it: of the inputs and the length in force."""
+        """Return the next block, of ``n`` samples; by default with current inputs and length."""
         n = n or self.values['block_size']
         inputs = inputs or self.inputs
         if self._changing:
@@ -266,7 +267,7 @@ class Twin(TwinChannel):
         return self._made(self._sensed(block), inputs)
 
     def advance_all(self, inputs: Sequence[TwinInputs], n: int) -> list[TwinBlock]:
-        """Compute blocks of ``n`` samples as :meth:`advance` does, in one go."""
+        """Return blocks of ``n`` samples as :meth:`advance` does, computed in one call."""
         if inputs and self._changing:
             return [self.advance(inputs[0], n), *self.advance_all(inputs[1:], n)]
         temperatures = [each.temperature.used for each in inputs]
@@ -277,7 +278,7 @@ class Twin(TwinChannel):
         ]
 
     def _sensed(self, block: Block) -> Block:
-        """Return a block as the sensor of the machine gives it."""
+        """Return a block as the sensor of the machine would measure it."""
         return block if self.sensor is None else self.sensor.take(block)
 
     def _made(self, block: Block, inputs: TwinInputs) -> TwinBlock:
@@ -287,7 +288,7 @@ class Twin(TwinChannel):
         return TwinBlock(block, *inputs, self.unit, defect)
 
     def _fade(self, n: int, temperature: float, shaft_hz: float) -> Block:
-        """Compute a block that goes over from one calibration to the next."""
+        """Return a block that fades from one calibration to the next."""
         following, before = successor(self.simulator, self._parameters(self._next))
         old = self.simulator.advance(n, temperature, shaft_hz)
         new = following.advance(n, temperature, shaft_hz)
@@ -298,7 +299,7 @@ class Twin(TwinChannel):
             self.sensor.take(before)
             new = self.sensor.take(new)
         self._changing, self._next = False, None
-        # Messages are made anew where they are not of the same values.
+        # A new object makes `TwinBytes` build its message templates anew.
         self.values = dict(self.values)
         share = (0.5 - 0.5 * np.cos(np.pi * (np.arange(n) + 0.5) / n)).astype(np.float32)
         return replace(new, x=old.x + share * (new.x - old.x), y=old.y + share * (new.y - old.y))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a twin publishes of a block, as messages and as their bytes."""
+"""Messages of a twin for a block, as objects and serialised."""
 
 from __future__ import annotations
 
@@ -28,28 +28,28 @@ OF_CONDITION = tuple(
     for name, kind in TwinState.get_fields_and_field_types().items()
     if name in Condition._fields and not kind.startswith('sequence')
 )
-"""Numbers of a `TwinState` that a `Condition` has under the same names."""
+"""Number fields of a `TwinState` with the same name in `Condition`."""
 STAMP = ('header.stamp.sec', 'header.stamp.nanosec')
 TEMPERATURE = ('status', 'measured', 'used', 'age')
 REALTIME = ('blocks_published', 'blocks_late', 'blocks_dropped', 'lateness', 'execution_time')
 ACCELERATION = 'm/s^2'
-"""Unit of a twin that has no machine whose sensor has another one."""
+"""Unit of the vibration of a twin without calibration."""
 _condition = attrgetter(*OF_CONDITION)
 
 
 class TwinBlock(NamedTuple):
-    """A block and what it was computed with."""
+    """A computed block and its inputs; shaft speed in Hz."""
 
     block: Block
     temperature: GatedTemperature
     shaft_hz: float
     unit: str = ACCELERATION
     defect: str = ''
-    """What a calibration says of the defects; '': what the parameters say."""
+    """Defects by a calibration, as text; '': defects by the parameters."""
 
 
 def vibration_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> Vibration:
-    """Return the acceleration of a block at the time of ``due``."""
+    """Return the vibration message of a block at the time of ``due``."""
     return Vibration(
         header=message_header(due.stamp, values['frame_id']),
         sample_rate=values['sample_rate'],
@@ -65,7 +65,7 @@ def vibration_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> V
 def vibration_block(
     made: TwinBlock, due: Due, values: Mapping[str, Any], axis: str
 ) -> VibrationBlock:
-    """Return one axis of a block as a diagnosis reads it out of the message."""
+    """Return one axis of a block as a diagnosis would read it from the message."""
     return VibrationBlock(
         due.first_sample, getattr(made.block, axis), values['sample_rate'], made.shaft_hz,
         made.unit, simulated=True, stamp=due.stamp, frame_id=values['frame_id'],
@@ -73,7 +73,7 @@ def vibration_block(
 
 
 def state_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> TwinState:
-    """Return the state after a block; its fields on real time are left to the node."""
+    """Return the state message of a block; the node fills in the real-time fields."""
     condition, temperature = made.block.condition, made.temperature
     return TwinState(
         header=message_header(due.stamp, values['frame_id']),
@@ -92,7 +92,7 @@ def state_message(made: TwinBlock, due: Due, values: Mapping[str, Any]) -> TwinS
 
 
 class TwinBytes:
-    """Serialized messages of one twin, of blocks of one length."""
+    """Serialise the messages of one twin, for blocks of one length."""
 
     def __init__(self, serialize: Callable[[Any], bytes]) -> None:
         self._serialize = serialize
@@ -101,7 +101,7 @@ class TwinBytes:
         self._state: MessageTemplate | None = None
 
     def vibration(self, made: TwinBlock, due: Due, values: Mapping[str, Any]) -> bytes:
-        """Return a `Vibration`; ``values`` is another object where parameters have changed."""
+        """Return a `Vibration`; pass a new object as ``values`` if parameters have changed."""
         self._renew(values)
         if self._vibration is None:
             self._vibration = MessageTemplate(
@@ -116,7 +116,7 @@ class TwinBytes:
     def state(
         self, made: TwinBlock, due: Due, values: Mapping[str, Any], realtime: Mapping[str, float]
     ) -> bytes:
-        """Return a `TwinState` with these fields on real time; ``values`` as above."""
+        """Return a `TwinState` with these real-time fields; ``values`` as for a `Vibration`."""
         self._renew(values)
         condition, temperature = made.block.condition, made.temperature
         if self._state is None:
@@ -150,8 +150,9 @@ class StateTurns:
     """
     Choose the blocks whose state is published.
 
-    ``rate`` states a second are due, 0: one a block, and a block each ``period``, s. ``turn`` is
-    the number of the twin: those of a fleet do not have their turns at once.
+    ``rate`` is the number of states per second (0: one per block), ``period`` the duration of a
+    block in s, and ``turn`` the number of the twin, so that a fleet does not publish all states at
+    the same time.
     """
 
     def __init__(self, rate: float, period: float, turn: int = 0) -> None:
@@ -161,7 +162,7 @@ class StateTurns:
         self._seen: object = None
 
     def wants(self, due: Due, *inputs: object) -> bool:
-        """Whether it is the turn of a block, or what is in ``inputs`` has changed."""
+        """Return whether the state of a block is due, or ``inputs`` have changed."""
         changed, self._seen = self._seen != inputs, inputs
         place = due.number + self._turn
         return changed or place // self._every > (place - 1) // self._every

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A twin that is fitted to its machine while both run: on what, when, and what the twin takes."""
+"""Fit a twin to its machine while both run: records, schedule, and the fitted parameters."""

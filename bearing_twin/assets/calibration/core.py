@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""From blocks of vibration to calibrations of the twin: when, on what, and as which message."""
+"""Schedule the calibrations of a twin from blocks of vibration, and build their messages."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ if TYPE_CHECKING:
 
 _VERSION = 2005
 SHARE = 1.0 / 3.0
-"""Most of one core that is used, over time: 10 s each 30 s."""
+"""Largest average share of one core for the fits: 10 s in 30 s."""
 MOST_SEEN = 100
-"""Fits whose spacing of the impacts is compared with the newest, at another speed."""
+"""Number of earlier fits, at other speeds, whose impact spacing is compared with the newest."""
 DECISION_S = 60.0
-"""Time from one decision on the residual to the next: its alarm rate is counted for that."""
+"""Time between two decisions on the residual, s; its alarm rate is derived for this interval."""
 STALE_PERIODS = 3.0
-"""Age of the newest calibration from which on it is stale, over the time between two."""
+"""Age from which on the newest calibration is stale, in periods between calibrations."""
 REPAIRED_S = 60.0
-"""Time for which a bearing with a defect has to be healthy to be another one, s. The diagnosis
-holds an answer over several windows, of some seconds each."""
+"""Time for which a bearing with a defect has to be healthy again to count as replaced, s. The
+diagnosis holds a verdict over several windows of a few seconds each."""
 REPAIRED = (
     'a defect was named and is gone since the healthy twin was fitted: if the bearing was '
     'repaired, call ~/reset to learn it anew'
@@ -58,7 +58,7 @@ REPAIRED = (
 
 
 class CalibrationCore:
-    """The calibration that a set of parameters describes: no clocks, no threads, no topics."""
+    """Calibration with given parameters, without clocks, threads or topics."""
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         self._values = values
@@ -79,22 +79,22 @@ class CalibrationCore:
         self._latest: Fitted | None = None
         self._concluded = -math.inf
         self._repairs = 0
-        # Of a repair: whether a defect was named, and when health was first heard after it.
+        # To detect a repair: whether a defect was named, and since when the bearing is healthy.
         self._damaged, self._well_since = False, math.inf
         self._changed = ''
         self.unexplained = Unexplained(math.nan, '', math.nan, 'nothing was fitted yet')
         self.waiting = ''
-        """What is missing for a fit, besides vibration; '' if nothing."""
+        """What a fit needs besides vibration; '' if nothing is missing."""
 
     @property
     def filling(self) -> str:
-        """How much of a record is there."""
+        """Sentence on the length of the vibration collected so far."""
         record = self._record
         held = record.held / record.sample_rate if record.held else 0.0
         return f'{held:.1f} s of vibration of the {self._values["window"]:g} s that a fit takes'
 
     def verdict(self, message: Diagnosis) -> None:
-        """Take what the diagnosis says: where a defect is looked for, and what health is."""
+        """Take a verdict; it determines the place of the defect, and whether the machine is ok."""
         record = self._record
         self._verdicts.take(message, record.newest.frame_id if record.held else None)
 
@@ -102,18 +102,18 @@ class CalibrationCore:
         self, block: VibrationBlock, *, temperature: float, shaft_hz: float, now: float
     ) -> Task | None:
         """
-        Take a block; return what is to be fitted, if it is due.
+        Take a block; return the task of the next fit if it is due, else None.
 
         Parameters
         ----------
         block
             The block.
         temperature
-            Of the bearing, degC; NaN where there is none.
+            Temperature of the bearing, degC; NaN if unknown.
         shaft_hz
-            Speed to use where the block has none, Hz; NaN if unknown.
+            Shaft speed if the block has none, Hz; NaN if unknown.
         now
-            s, on any clock that runs on.
+            Time of any monotonic clock, s.
 
         """
         wanted = round(self._values['window'] * block.sample_rate)
@@ -125,7 +125,7 @@ class CalibrationCore:
         full = self._record.held >= wanted
         hertz, self.waiting = self._record.shaft_hz() if full else (math.nan, '')
         stamped, said = self._record.stamped_rate(), self._record.sample_rate
-        # A NaN is no reason.
+        # An unknown rate (NaN) does not prevent a fit.
         if full and abs(stamped / said - 1.0) > REFUSED:
             self.waiting = off_rate(stamped, said)
         if not full or self.waiting:
@@ -133,7 +133,7 @@ class CalibrationCore:
         if now >= self._compared + self._values['window']:
             self._compared = now
             self._changed = self._compare(wanted, hertz)
-        # A fit that failed has not rested: the next one comes when it would have come anyway.
+        # After a failed fit ``_rested`` is infinite: the next fit comes at its regular time.
         if now < (min(self._rested, self._next) if self._contradicted(heard) else self._next):
             return None
         if self._reference and self._reference['machine']['unit'] != block.unit:
@@ -160,14 +160,14 @@ class CalibrationCore:
         )
 
     def _heard(self) -> Heard:
-        """Return what the diagnosis says of the record."""
+        """Return the verdict of the diagnosis on the record."""
         record = self._record
         return self._verdicts.of(record.newest.frame_id, record.end, record.sample_rate)
 
     def _follow_repair(self, heard: Heard, now: float) -> None:
-        """Forget the defect of a bearing that has been healthy for long enough."""
+        """Count a repair when a bearing with a defect has been healthy for ``REPAIRED_S``."""
         if heard.place is None:
-            # Silence and doubt are no health.
+            # A missing or uncertain verdict does not mean healthy.
             self._well_since = math.inf
             return
         if not heard.healthy:
@@ -180,12 +180,12 @@ class CalibrationCore:
             self._seen.clear()
 
     def _contradicted(self, heard: Heard) -> bool:
-        """Whether the diagnosis names another part than the newest calibration."""
+        """Return whether the diagnosis names another place than the newest calibration."""
         old = self._latest
         return old is not None and heard.place not in (None, old.defect)
 
     def _compare(self, wanted: int, shaft_hz: float) -> str:
-        """Return how the vibration has changed since it was fitted; '' if it has not."""
+        """Return how the vibration has changed since the newest fit; '' if it has not."""
         old = self._latest
         if old is None or abs(shaft_hz / old.situation.shaft_hz - 1.0) > MOVED:
             return ''
@@ -196,7 +196,7 @@ class CalibrationCore:
         x = x - x.mean()
         level = 20.0 * math.log10(max(float(x.std()), 1e-300) / max(old.rms, 1e-300))
         alike = Likeness(distance(band_levels(x, rate), old.spectrum), level)
-        # What is not finite is refused by the fit.
+        # The fit itself refuses values that are not finite.
         if not alike.far or math.isnan(level):
             return ''
         return (
@@ -205,7 +205,7 @@ class CalibrationCore:
         )
 
     def stale(self, now: float) -> str:
-        """Return why the newest calibration no longer holds; '' if it does, or there is none."""
+        """Return why the newest calibration is stale; '' if it is not, or there is none."""
         old, heard = self._latest, self._heard()
         if old is None:
             return ''
@@ -223,7 +223,7 @@ class CalibrationCore:
         return ''
 
     def conclude(self, task: Task, done: Fit, now: float) -> Calibration:
-        """Take what was fitted; return the message, and put the next fit off if it cost much."""
+        """Take the result of a fit; return its message. Delay the next fit after a costly one."""
         cost = float(done.found['cost_s'])
         self._rested = now + cost * (1.0 / SHARE - 1.0)
         self._next = max(self._next, self._rested)
@@ -232,7 +232,7 @@ class CalibrationCore:
         if self._latest.impacts is not None and task.repairs == self._repairs:
             self._seen.append(self._latest.impacts)
         heard = self._heard()
-        # A fault that began within the record is named after it.
+        # A fault that began during the record may be named only after it.
         healthy = task.healthy and heard.healthy
         decides = now - self._decided >= DECISION_S
         if self._reference is None:
@@ -252,14 +252,14 @@ class CalibrationCore:
         return self._message(task, done)
 
     def _no_reference(self, why: str, defect: str, *, healthy: bool) -> str:
-        """Return why a calibration is not that of the healthy machine; '' if it is."""
+        """Return why a calibration cannot be the healthy twin; '' if it can."""
         why = why or ('' if healthy else 'the diagnosis is not ok')
         if not why and defect != 'none':
             why = f'this one has a defect ({defect})'
         return f'no calibration of the healthy machine yet: {why}' if why else ''
 
     def forget(self) -> str:
-        """Learn the healthy machine anew, as after a repair; return what a service answers."""
+        """Discard the healthy twin, as after a repair; return the answer of the service."""
         self._residuals, self._reference, self._repairs = Residuals(), None, 0
         self._seen.clear()
         said = 'the healthy twin and its residual are learnt anew'
@@ -318,7 +318,7 @@ class CalibrationCore:
         return [getattr(self.bearing, name) for name in GEOMETRY]
 
     def save(self) -> bytes:
-        """Return what is worth keeping over a restart: the healthy twin, and its residual."""
+        """Return the state to keep over a restart: the healthy twin and its residual."""
         residuals, arrays = self._residuals.save()
         values = {
             'geometry': self._geometry,
@@ -331,13 +331,13 @@ class CalibrationCore:
 
     def load(self, data: bytes) -> None:
         """
-        Take up a saved state.
+        Load a saved state.
 
         Raises
         ------
         BearingTwinError
-            If the bytes are not such a state, or of another bearing; the present state is then
-            unchanged.
+            If the bytes are not such a state, or belong to another bearing. The present state is
+            then unchanged.
 
         """
         values, arrays = unpack(data, _VERSION)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a running twin takes of a calibration, and how alike it and its machine are since then."""
+"""Apply a calibration to a running twin, and compare the twin with its machine afterwards."""
 
 from __future__ import annotations
 
@@ -28,41 +28,40 @@ if TYPE_CHECKING:
 
 GEOMETRY = ('n_balls', 'd_ball', 'd_pitch', 'contact_angle')
 SAME = 1e-6
-"""Greatest difference of two geometries or sample rates that are the same, over either."""
+"""Largest relative difference of geometries or sample rates that count as equal."""
 FARTHEST, LOUDEST = 3.0, 3.0
-"""Log-spectral distance and level, dB, from which on a vibration does not pass for its machine's:
-between the 0.3 to 0.6 dB of fits to healthy records and the 6 dB that are an alarm of the
-diagnosis."""
+"""Largest log-spectral distance and level difference, dB, at which a twin resembles its machine:
+between the 0.3 to 0.6 dB of fits to healthy records and the 6 dB of a diagnosis alarm."""
 COMPARED_S = 2.0
-"""Length of the vibration that is compared with the machine's, s."""
+"""Length of the vibration that is compared with that of the machine, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fitted:
-    """What a twin takes of a calibration."""
+    """Parameters, sensor path and reference levels that a twin takes from a calibration."""
 
     text: str
-    """From which :func:`read_fitted` makes it again."""
+    """JSON text that :func:`read_fitted` reads."""
     statement: str
     geometry: tuple[float, ...]
     defects: tuple[Defect, ...]
     machine: dict[str, float]
-    """Fields of `TwinParameters`."""
+    """Fitted fields of `TwinParameters`."""
     path: SensorPath
     unit: str
-    """Of the machine's sensor, and so of the twin's vibration; '' if unknown."""
+    """Unit of the sensor of the machine, and so of the twin's vibration; '' if unknown."""
     levels: NDArray[np.float64]
-    """`band_levels` of the machine."""
+    """`band_levels` of the machine, dB, shape (n,)."""
     rms: float
-    """Of the machine."""
+    """RMS of the vibration of the machine, in ``unit``."""
     shaft_hz: float
-    """At which it was measured, Hz."""
+    """Shaft speed of the measurement, Hz."""
     temperature: float
-    """At which it was measured, degC."""
+    """Temperature of the measurement, degC."""
 
     @property
     def defect(self) -> str:
-        """The defects as the parameter of a twin gives them."""
+        """Defects as text of the twin parameter ``defect``."""
         texts = [
             f'{each.place}:width={each.width:.3g},depth={each.depth:.3g},angle={each.angle:.3g}'
             for each in self.defects
@@ -71,15 +70,15 @@ class Fitted:
 
     def parameters(self, own: TwinParameters) -> TwinParameters:
         """
-        Return a twin's parameters with what the calibration tells; the others stay.
+        Return the parameters of a twin with the fitted values; others stay unchanged.
 
-        Defects that the twin's own parameters name have been injected: they take the place of the
-        fitted ones.
+        Defects in the twin's own parameters have been injected. They replace the fitted ones.
 
         Raises
         ------
         BearingTwinError
-            If the calibration is of another bearing, or a value leaves the model's validity.
+            If the calibration belongs to another bearing, or a value is outside the validity of
+            the model.
 
         """
         geometry = tuple(getattr(own.bearing, name) for name in GEOMETRY)
@@ -91,7 +90,7 @@ class Fitted:
             )
             raise BearingTwinError(msg)
         given: dict[str, Any] = dict(self.machine)
-        # A fit takes the load along the sensor's axis, so defects that stand still turn with it.
+        # A fit assumes the load along the sensor axis: turn stationary defects accordingly.
         turned = DOWN - own.load_angle
         injected = tuple(
             replace(each, angle=math.fmod(each.angle + turned, 2.0 * math.pi))
@@ -110,7 +109,7 @@ class Fitted:
         )
 
     def check(self, own: TwinParameters, sample_rate: float) -> None:
-        """Refuse a calibration that a twin of these parameters and this rate cannot take."""
+        """Refuse a calibration that does not fit these parameters or this sample rate (Hz)."""
         steps(self.parameters(own), sample_rate)
         if abs(self.path.sample_rate / sample_rate - 1.0) > SAME:
             msg = (
@@ -124,7 +123,7 @@ class Fitted:
 
 
 def read_fitted(text: str) -> Fitted:
-    """Read what a twin takes of a calibration from what ``bearing-twin fit --json`` writes."""
+    """Return the calibration in the output of ``bearing-twin fit --json``."""
     try:
         values = json.loads(text)
         machine, twin, spectrum = values['machine'], values['twin'], values['spectrum']
@@ -147,14 +146,14 @@ def read_fitted(text: str) -> Fitted:
         if sorted(twin) != sorted(('defects', *FITTED)):
             msg = f'it gives {", ".join(twin)} of a twin'
             raise ValueError(msg)
-        # Both are published, so what cannot be encoded is refused here.
+        # Both texts are published: refuse text that cannot be encoded as UTF-8.
         (kept['statement'] + unit).encode()
         fitted = Fitted(
             text=json.dumps(kept),
             statement=kept['statement'],
             geometry=tuple(float(machine['bearing'][name]) for name in GEOMETRY),
             defects=tuple(Defect(**defect) for defect in twin['defects']),
-            # The twin makes the noise itself: there each sample follows from its index.
+            # The twin adds the noise, because its noise is a function of the sample index.
             machine={k: float(v) for k, v in twin.items() if k != 'defects'}
             | {'noise': path.noise},
             path=replace(path, noise=0.0),
@@ -173,21 +172,21 @@ def read_fitted(text: str) -> Fitted:
 
 
 class Likeness(NamedTuple):
-    """How alike the vibration of a twin and that of its machine are."""
+    """Similarity of the vibration of a twin and of its machine."""
 
     distance: float
     """Log-spectral distance, dB."""
     level: float
-    """Level of the twin over the machine's, dB."""
+    """Level of the twin relative to the machine, dB."""
 
     @property
     def far(self) -> bool:
-        """Whether the one does not pass for the other."""
+        """Whether the twin does not resemble its machine."""
         return not (self.distance <= FARTHEST and abs(self.level) <= LOUDEST)
 
 
 class Sensor:
-    """The machine's sensor at a twin: both axes pass the path of a calibration."""
+    """The sensor of the machine on a twin: filters both axes with the fitted sensor path."""
 
     def __init__(self, fitted: Fitted) -> None:
         self.fitted = fitted
@@ -195,7 +194,7 @@ class Sensor:
         self._newest: deque[NDArray[np.float32]] = deque()
 
     def take(self, block: Block) -> Block:
-        """Return a block of the housing as the machine's sensor would give it."""
+        """Return a block of housing vibration as the sensor of the machine would measure it."""
         x, y = (
             axis.apply(samples).astype(np.float32)
             for axis, samples in zip(self._axes, (block.x, block.y), strict=True)
@@ -207,7 +206,7 @@ class Sensor:
         return replace(block, x=x, y=y)
 
     def likeness(self) -> Likeness | None:
-        """Compare the newest vibration with the machine's; None until there is enough."""
+        """Compare the newest vibration with the machine; return None until there is enough."""
         y = np.concatenate(self._newest) if self._newest else np.zeros(0)
         if len(y) < COMPARED_S * self.fitted.path.sample_rate:
             return None
@@ -216,11 +215,11 @@ class Sensor:
         return Likeness(apart, level)
 
     def save(self) -> bytes:
-        """Return what the filters remember."""
+        """Return the state of the filters."""
         return b''.join(axis.memory.astype('<f8').tobytes() for axis in self._axes)
 
     def load(self, data: bytes) -> None:
-        """Let the filters go on from what :meth:`save` returned."""
+        """Restore the state of the filters from :meth:`save`."""
         values = np.frombuffer(data, dtype='<f8') if len(data) % 8 == 0 else np.zeros(0)
         if len(values) != 2 * len(self._axes[0].memory) or not np.isfinite(values).all():
             msg = 'saved state of a sensor is invalid; start without it'

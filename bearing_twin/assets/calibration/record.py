@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The newest vibration of one sensor, from which the twin is fitted."""
+"""The newest vibration of one sensor, to which the twin is fitted."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Record:
     """The newest blocks of one sensor, without a gap."""
 
     blocks: deque[VibrationBlock] = field(default_factory=deque)
-    """The shaft speed of each is the one to use, NaN where none is known."""
+    """Blocks in order; the shaft speed of each is set, or NaN if unknown."""
     held: int = 0
-    """Samples."""
+    """Number of samples in the blocks."""
 
     @property
     def newest(self) -> VibrationBlock:
@@ -35,16 +35,16 @@ class Record:
 
     @property
     def sample_rate(self) -> float:
-        """Of the oldest block, Hz: those of the others may differ by what clocks drift."""
+        """Sample rate of the oldest block, Hz; later rates may differ slightly by clock drift."""
         return self.blocks[0].sample_rate
 
     @property
     def end(self) -> int:
-        """Index of the sample that is still to come."""
+        """Index of the next sample."""
         return self.newest.first_sample + len(self.newest.samples)
 
     def add(self, block: VibrationBlock, most: int) -> None:
-        """Append a block, and drop the oldest as long as ``most`` samples are left."""
+        """Append a block; drop the oldest blocks while at least ``most`` samples remain."""
         if not (self.blocks and self._goes_on(block)):
             self.blocks.clear()
             self.held = 0
@@ -59,18 +59,18 @@ class Record:
         return alike and same_rate(self.sample_rate, block.sample_rate)
 
     def stamped_rate(self) -> float:
-        """Return the sample rate that the stamps tell, Hz; NaN where they stand still."""
+        """Return the sample rate by the stamps, Hz; NaN if the stamps do not advance."""
         elapsed = self.newest.stamp - self.blocks[0].stamp
         before = self.held - len(self.newest.samples)
         return before * NANO / elapsed if elapsed > 0 else math.nan
 
     def samples(self, wanted: int) -> NDArray[np.float64]:
-        """Return the newest samples."""
+        """Return the newest samples, shape (wanted,)."""
         parts = [block.samples for block in self.blocks]
         return np.concatenate(parts)[-wanted:].astype(np.float64)
 
     def shaft_hz(self) -> tuple[float, str]:
-        """Return the mean speed, Hz, and why there is none to fit at; '' if there is."""
+        """Return the mean shaft speed, Hz, and ''; or NaN and why no speed can be used."""
         speeds = np.array([block.shaft_hz for block in self.blocks])
         if not np.isfinite(speeds).all():
             return math.nan, 'no shaft speed: set shaft_hz, or joint where joint_states has it'

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A record of a machine, fitted in a process of its own."""
+"""Fit the twin to a record of a machine in a separate process: task and result."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 
 SHOWN_S = 2.0
-"""Length of the fitted twin's vibration that is shown beside the machine's, s."""
+"""Length of the vibration of the fitted twin for display beside the machine, s."""
 PARTS = 16
-"""Parts of a revolution of which the loudest is sought: impacts on a race are 3 to 12 parts apart,
-and their ringing lasts about one."""
+"""Parts of a revolution, of which the loudest is searched. Impacts on a race are 3 to 12 parts
+apart, and their ringing lasts about one part."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """A record to be fitted; plain values that go to another process."""
+    """A record to fit, as plain values that can be sent to another process."""
 
     samples: NDArray[np.float64]
     sample_rate: float
@@ -43,22 +43,22 @@ class Task:
     load: tuple[float, float] | None
     candidates: int
     others: tuple[Impacts, ...]
-    """What the fits before have seen of the impacts of a passage."""
+    """Impacts that earlier fits found."""
     reference: dict[str, Any] | None
-    """The calibration that the residual is taken from; None: the one that is found."""
+    """Healthy twin from which the residual is computed; None: the result of this fit."""
     healthy: bool
-    """Whether the diagnosis said so before the fit."""
+    """Whether the diagnosis found the machine healthy before the fit."""
     repairs: int
-    """Before it."""
+    """Number of repairs before the fit."""
     stamp: int
-    """ns."""
+    """Time of the first sample, ns."""
     frame_id: str
     first_sample: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """What became of a task."""
+    """Result of a task."""
 
     found: dict[str, Any]
     """The calibration, as plain values."""
@@ -66,15 +66,15 @@ class Fit:
     measured: NDArray[np.float64]
     """Level of the machine in each band, dB, shape (m,)."""
     twin: NDArray[np.float64]
-    """Level of the twin of the reference, dB, shape (m,)."""
+    """Level of the reference twin in each band, dB, shape (m,); NaN beyond its sample rate."""
     spectrum: NDArray[np.float64]
-    """`band_levels` of the fitted twin, dB; those of the machine are in ``found``."""
+    """`band_levels` of the fitted twin, dB; ``found`` contains those of the machine."""
     turns: NDArray[np.float64]
     """One revolution of machine and fitted twin, shape (2, n)."""
 
 
 def work(task: Task) -> Fit:
-    """Fit a record, and take the spectra of machine and twin; in a process of its own."""
+    """Fit a record and compute spectra of machine and twin; runs in a separate process."""
     found = fit(
         task.samples, task.sample_rate, task.bearing, task.shaft_hz, load=task.load,
         temperature=task.temperature, unit=task.unit, place=task.place,
@@ -86,7 +86,7 @@ def work(task: Task) -> Fit:
     if math.isfinite(task.temperature):
         here = here.at(temperature=task.temperature)
     seconds = len(task.samples) / task.sample_rate
-    # The twin may run at a lower rate than the sensor; bands beyond it are not compared.
+    # The twin may run at a lower rate than the sensor; then its higher bands are NaN.
     bands, measured = spectral_levels(task.samples, task.sample_rate, task.shaft_hz)
     names, levels = spectral_levels(
         fitted_vibration(here, seconds), here.situation.sample_rate, task.shaft_hz
@@ -103,7 +103,7 @@ def work(task: Task) -> Fit:
 def beside(
     found: Calibration, samples: NDArray[np.float64], sample_rate: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the twin's `band_levels`, dB, and a revolution of machine and twin, shape (2, m)."""
+    """Return `band_levels` of the twin, dB, and a revolution of machine and twin, (2, m)."""
     rate, shaft_hz = found.situation.sample_rate, found.situation.shaft_hz
     shown = fitted_vibration(found, max(SHOWN_S, 2.0 / shaft_hz))
     slow = decimated(samples - samples.mean(), sample_rate)[0]
@@ -114,14 +114,14 @@ def revolutions(
     machine: NDArray[np.float64], twin: NDArray[np.float64], length: int
 ) -> NDArray[np.float64]:
     """
-    Return a revolution of machine and twin, shape (2, ``length``).
+    Return one revolution of machine and twin for display, shape (2, ``length``).
 
-    The machine's has its loudest part in the middle: an impact where it wraps round would be torn
-    in two, and neither part tells where the twin is alike. The twin turns at an angle of its own;
-    it is shown where it is most like the machine.
+    The loudest part of the machine's revolution is in its middle, because an impact at the ends
+    would be split in two. The rotation angle of the twin is arbitrary, so the revolution that
+    correlates best with the machine is chosen.
 
-    The vibration has at least three, and that of the twin two, at one rate; ``length`` is the
-    samples of one.
+    Both signals have the same sample rate, with ``length`` samples per revolution. ``machine``
+    has at least three revolutions, ``twin`` at least two.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def revolutions(
     """
     reach = max(length // PARTS, 1)
     loudness = np.convolve(np.abs(machine[length : 3 * length]), np.ones(reach), 'same')
-    # From the second revolution on: the filter has settled.
+    # Start at the second revolution, when the filter has settled.
     begin = length + int(np.argmax(loudness[length // 2 : length // 2 + length]))
     turn = machine[begin : begin + length]
     turn = turn - turn.mean()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which verdict of the diagnosis holds for a record that is fitted."""
+"""Find the verdict of the diagnosis that applies to the record of a fit."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ if TYPE_CHECKING:
 
 
 OLDEST_S = 10.0
-"""Greatest age of a verdict that is used, from the end of its window to that of the record, s; two
-windows of the diagnosis where they are longer."""
+"""Largest age of a usable verdict, from the end of its window to the end of the record, s; or two
+windows of the diagnosis if these are longer."""
 AHEAD_S = 5.0
-"""Most that a verdict may be ahead of the record: blocks reach two nodes at two times, s."""
+"""Longest time that a verdict may be ahead of the record, s: nodes receive blocks at different
+times."""
 _ALIKE = 1e-3
-"""Most that orders of one bearing differ by the digits in which its geometry is given."""
+"""Largest relative difference of the orders of one bearing, due to rounding of its geometry."""
 
 
 class Heard(NamedTuple):
-    """What the diagnosis says of a record."""
+    """Verdict of the diagnosis on a record."""
 
     place: str | None
-    """Part with the defect, 'none' of a healthy bearing; None: it names no part."""
+    """Place of the defect; 'none' for a healthy bearing; None if the verdict names no place."""
     why: str = ''
     """Why there is no verdict; '' if there is one."""
 
@@ -42,10 +43,10 @@ class Verdicts:
     """
     The newest verdict of the diagnosis of one bearing.
 
-    It holds for a record of the same sensor that ends when its window does, or a little later.
+    It applies to a record of the same sensor that ends with its window or a little later.
 
-    ``bearing`` is the one that is calibrated; that of the diagnosis may have another name, or be
-    given by its geometry.
+    ``bearing`` is the bearing of the calibration. The diagnosis may know the same bearing by
+    another name or by its geometry.
     """
 
     def __init__(self, bearing: Bearing) -> None:
@@ -54,7 +55,7 @@ class Verdicts:
         self._other = ''
 
     def take(self, message: Diagnosis, frame_id: str | None) -> None:
-        """Take a verdict; one of another bearing, or of another sensor than this one, is none."""
+        """Take a verdict. Verdicts on another bearing or sensor are ignored."""
         if not self._is_alike(message):
             self._other = (
                 f'the diagnosis is of bearing {message.bearing}, not {self._bearing.name}'
@@ -67,9 +68,9 @@ class Verdicts:
             self._newest = message
 
     def _is_alike(self, message: Diagnosis) -> bool:
-        """Whether a verdict expects of its bearing what this one does, whatever its name."""
+        """Return whether a verdict belongs to this bearing, by its fault orders."""
         if not message.ftf > 0.0:
-            # The shaft stands, or its speed is not known.
+            # The shaft stands still or its speed is unknown: compare the names.
             return bool(message.bearing == self._bearing.name)
         own = fault_orders(self._bearing)
         return all(
@@ -78,7 +79,7 @@ class Verdicts:
         )
 
     def of(self, frame_id: str, end: int, sample_rate: float) -> Heard:
-        """Return what the diagnosis says of a sensor's record that ends before sample ``end``."""
+        """Return the verdict on a record of a sensor that ends before sample ``end``."""
         said = self._newest
         if said is None:
             return Heard(

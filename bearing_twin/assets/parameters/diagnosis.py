@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the diagnosis node and what they build. A re-run builds from the same table."""
+"""Parameters of the diagnosis node, and the diagnosis built from them, live or in a re-run."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def build_bearing(values: Mapping[str, Any]) -> Bearing:
     Raises
     ------
     BearingTwinError
-        If the catalogue has no such bearing, or the geometry cannot be read or built.
+        If the catalogue has no such bearing, or the geometry is invalid.
 
     """
     if values['bearing']:
@@ -65,24 +65,24 @@ def build_bearing(values: Mapping[str, Any]) -> Bearing:
 
 
 def build_settings(values: Mapping[str, Any]) -> DiagnosisSettings:
-    """Return the settings of the chain."""
+    """Return the settings of the diagnosis."""
     return DiagnosisSettings(**field_values(_SETTINGS, values))
 
 
 def check_diagnosis(values: Mapping[str, Any]) -> None:
-    """Refuse parameters that do not fit together."""
+    """Refuse parameters that contradict each other."""
     build_diagnoser(values)
     if values['state_name']:
         StateFolder(values['state_directory']).path(values['state_name'])
 
 
 def build_diagnoser(values: Mapping[str, Any]) -> StreamingDiagnoser | SeriesDiagnoser:
-    """Return a diagnoser at its start, of a stream or of a series of snapshots."""
+    """Return a new diagnoser of a stream or of a series of snapshots."""
     settings = build_settings(values)
     kind = SeriesDiagnoser if settings.series_cycle else StreamingDiagnoser
     return kind(build_bearing(values), settings)
 
 
 def nominal_speed(values: Mapping[str, Any]) -> float:
-    """Return the shaft speed given by parameter, Hz; NaN where it is unknown."""
+    """Return the shaft speed given by parameter, Hz; NaN if unknown."""
     return values['shaft_hz'] or math.nan

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of what publishes in real time: its policy, its thresholds, its scheduling."""
+"""Parameters of nodes that publish in real time: catching up, thresholds, scheduling."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from bearing_twin.assets.parameters.twin import FITTED
 
 
 class Threshold(NamedTuple):
-    """A measure of punctuality, and what of it is worth a warning and what is an error."""
+    """A timing statistic with its limits for a warning and for an error."""
 
     name: str
-    """Of the two parameters, before ``.warn`` and ``.error``."""
+    """Name of the two parameters, without ``.warn`` and ``.error``."""
     measure: str
     unit: str
     warn: float
     error: float
     highest: float
     text: str
-    """What /diagnostics says of a measure that is above one of them."""
+    """Text on /diagnostics for a value above a limit."""
 
 
 THRESHOLDS = (
@@ -61,4 +61,4 @@ SPECS = (
 )  # fmt: skip
 
 PUBLISHING = (*SPECS, SUBSCRIBERS, STATE_RATE, *FITTED)
-"""Parameters of the node of a twin that its twin does not have."""
+"""Parameters of a twin node besides those of its twin."""

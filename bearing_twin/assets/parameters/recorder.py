@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of a recorder."""
+"""Parameters of the recorder node."""
 
 from __future__ import annotations
 

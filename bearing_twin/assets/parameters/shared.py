@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters that several nodes have alike."""
+"""Parameters that several nodes have in common."""
 
 from __future__ import annotations
 

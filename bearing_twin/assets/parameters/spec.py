@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""One parameter of a node or an offline run; how given values are read, and what they set."""
+"""Declare parameters of nodes and offline runs, and read and check given values."""
 
 from __future__ import annotations
 
@@ -29,17 +29,18 @@ class Spec(Quantity):
     read_only: bool = False
     """Whether it can be set at start only."""
     implied: bool = False
-    """Whether a configuration that does not name it means the default."""
+    """Whether a configuration without this parameter means its default."""
     optional: bool = False
-    """Whether the default leaves the field to the preset or the geometry."""
+    """Whether with the default the preset or the geometry sets the field."""
 
     def read(self, value: Any) -> Value:
         """
         Return a given value in the type of the parameter.
 
-        A whole number is taken for a float and, since a bearing called 6307 is a name, for a text.
-        ``68e-6`` is a number to ROS but, without a point, a text to YAML 1.1. An axis ``y`` that
-        ``ros2 param dump`` has written without quotes is read by ROS as true.
+        An integer is accepted for a float and for a text, because the bearing 6307 is a name.
+        A text is accepted for a float: ROS reads ``68e-6`` as a number, YAML 1.1 as a text without
+        a decimal point. True is accepted for an axis ``y``: ``ros2 param dump`` writes it without
+        quotes, and ROS then reads it as true.
         """
         kind = type(self.default)
         if kind is str and type(value) is int:
@@ -52,7 +53,7 @@ class Spec(Quantity):
         texts = not isinstance(value, list) or all(isinstance(item, str) for item in value)
         if type(value) is not kind or not texts:
             wanted = 'list of str' if kind is list else kind.__name__
-            # The shell takes one pair of quotes away, YAML the other.
+            # The shell removes one pair of quotes, YAML the other.
             hint = f'; quote a text twice: {self.name}:="\'{value}\'"' if kind is str else ''
             msg = f'{self.name}={value!r} must be of type {wanted}{hint}'
             raise BearingTwinError(msg)
@@ -69,7 +70,7 @@ def parameter(
     high: float | None = None,
     **more: Any,
 ) -> Spec:
-    """Return a parameter; ``more`` are further fields of :class:`Spec`."""
+    """Return a parameter; ``more`` holds further fields of :class:`Spec`."""
     return Spec(
         name=name, default=default, description=description, unit=unit, low=low, high=high, **more
     )
@@ -86,7 +87,7 @@ def read_values(specs: Iterable[Spec], given: Mapping[str, Any]) -> dict[str, An
     Raises
     ------
     BearingTwinError
-        If there is no parameter of a name, or a value is of another type or outside its limits.
+        If a name is unknown, or a value has another type or is outside its limits.
 
     """
     table = {spec.name: spec for spec in specs}
@@ -97,7 +98,7 @@ def read_values(specs: Iterable[Spec], given: Mapping[str, Any]) -> dict[str, An
 
 
 def no_parameter(name: str, names: Iterable[str]) -> str:
-    """Return a sentence on a name that no parameter has, with the nearest ones."""
+    """Return the error text for an unknown parameter name, with similar names."""
     nearest = difflib.get_close_matches(name, list(names), n=3, cutoff=0.0)
     return f'there is no parameter {name!r}; the nearest are {", ".join(nearest)}'
 
@@ -116,11 +117,11 @@ def field_spec(
     Parameters
     ----------
     owner, field
-        A dataclass, and its field that is declared as a quantity.
+        A dataclass and the name of its field, which is declared as a quantity.
     name
-        Of the parameter, if it is not that of the field.
+        Name of the parameter, if it differs from the field.
     absent
-        Default that stands for no value, and who sets the field then.
+        Default that means "not set", and a text on what sets the field then.
     implied
         As in :class:`Spec`.
 
@@ -142,7 +143,7 @@ def field_spec(
 
 
 def field_values(specs: Iterable[Spec], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields that parameters of :func:`field_spec` set."""
+    """Return the dataclass fields that are set by parameters of :func:`field_spec`."""
     return {
         spec.name.rpartition('.')[2]: values[spec.name]
         for spec in specs
@@ -152,9 +153,10 @@ def field_values(specs: Iterable[Spec], values: Mapping[str, Any]) -> dict[str, 
 
 def configuration(specs: Iterable[Spec], values: Mapping[str, Any]) -> dict[str, Any]:
     """
-    Return what a checkpoint says of ``values``: all but the implied ones that have their default.
+    Return the parameters for a checkpoint: all except implied ones that have their default.
 
-    A fleet's checkpoint holds one configuration an asset, and is written between two deadlines.
+    This keeps the checkpoint of a fleet small: it has one configuration per asset, and is written
+    between two deadlines.
     """
     left_out = {spec.name: spec.default for spec in specs if spec.implied}
     return {n: v for n, v in values.items() if n not in left_out or v != left_out[n]}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the twin node and what they build. A re-run builds from the same table."""
+"""Parameters of the twin node, and the twin built from them, live or in a re-run."""
 
 from __future__ import annotations
 
@@ -37,22 +37,22 @@ if TYPE_CHECKING:
 
 FASTEST_LIVE_SHAFT = 100.0
 """
-Fastest shaft of a twin that runs live, Hz.
+Fastest shaft of a live twin, Hz.
 
-The simulator goes on to 500 Hz, but knows no centrifugal force of the balls, and its errors grow
-from below 0.1 % to some percent, a fleet's from below 2 % to a third (docs/realtime.md).
+The simulator accepts up to 500 Hz, but it has no centrifugal force of the balls. Its errors grow
+from below 0.1 % to a few percent; those of a fleet from below 2 % to a third (docs/realtime.md).
 """
 
 
 def _machine(name: str, *, implied: bool = True) -> Spec:
-    """Return the parameter of a field of the twin, which a preset or the geometry may set."""
+    """Return the parameter for a field of the twin; a preset or the geometry may set the field."""
     default, about = quantities(TwinParameters)[name]
     sources = ['from the preset'] if name in PRESET_FIELDS else []
     if default is None and about.special is not None:
         sources.append(about.special[1])
     absent: tuple[Value, str] | None = None
     if sources:
-        # 0, where it is no value of its own.
+        # 0 means "not set", unless it is a valid value; then -1 does.
         nothing = '' if about.low is None else 0.0 if about.low > 0.0 else -1.0
         absent = (nothing, ' or '.join(sources))
     return field_spec(TwinParameters, name, absent=absent, implied=implied)
@@ -75,7 +75,7 @@ _NAMED = tuple(
     _machine(name, implied=False)
     for name in ('thermal_mode', 'load', 'slip_model', 'jitter', 'noise', 'waviness')
 )
-"""Fields of the twin that every checkpoint names."""
+"""Parameters of the twin that every checkpoint contains."""
 _IMPLIED = tuple(
     _machine(name)
     for name in quantities(TwinParameters)
@@ -128,19 +128,19 @@ FITTED = (
     fixed('follow_calibration', False, 'Take over each calibration of the topic calibration.',
           implied=True),
 )  # fmt: skip
-"""Parameters of a twin of its own that its machine is fitted to; a fleet has none."""
+"""Parameters for calibrations of a twin node; the twins of a fleet have none."""
 
 _DEFAULTS = {spec.name: spec.default for spec in SPECS if spec.implied}
 
 
 def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
     """
-    Return the model that the parameters describe.
+    Return the model parameters for given values of the node parameters.
 
     Raises
     ------
     BearingTwinError
-        If they do not fit together or leave the model's validity.
+        If they contradict each other or are outside the validity of the model.
 
     """
     values = {**_DEFAULTS, **values}
@@ -162,7 +162,7 @@ def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
 def build_simulator(
     values: Mapping[str, Any], parameters: TwinParameters | None = None
 ) -> Simulator:
-    """Return a simulator at its start; ``parameters`` take the place of those in ``values``."""
+    """Return a new simulator; ``parameters``, if given, replace those in ``values``."""
     return Simulator(
         parameters or build_parameters(values),
         sample_rate=values['sample_rate'],
