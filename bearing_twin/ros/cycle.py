@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The cycle of a publishing node: a timer, the deadlines, and what became of them."""
+"""The block cycle of a publishing node: timer, deadlines and their statistics."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
 STILL_AFTER = 1.0
 JUMP = 10.0
 """
-Advance of /clock between two of its readings above which it has jumped, and most that a node may
-lag behind it, s: a simulation does not wait, and a busy moment of ours is no gap in it.
+Advance between two readings of /clock that counts as a jump, and longest lag of a node behind
+/clock, s: a simulation does not wait for a busy node, and such a lag is not a gap.
 """
 REST_PERIOD = 0.05
-"""Time after which more of what is due behind /clock is published, s: readers queue 50 blocks."""
+"""Interval of publishing overdue blocks in simulated time, s: subscribers queue 50 blocks."""
 
 
 class BlockCycle:
     """
     Call ``publish`` for each block that is due.
 
-    Real time is paced by the steady clock, which nobody sets; with ``use_sim_time`` by /clock.
+    The steady clock paces real time, because it is never set; with ``use_sim_time`` /clock does.
 
     Parameters
     ----------
@@ -47,16 +47,16 @@ class BlockCycle:
     parameters : ParameterSet
         Its parameters, with those of :mod:`bearing_twin.ros.realtime`.
     publish
-        Computes and publishes a block.
+        Function that computes and publishes a block.
     slots
-        Wake-ups a period; more than one lets a node spread its publishing.
+        Wake-ups per period; with several, a node can spread its publishing.
     between
-        Called at every wake-up with the part of the period that is over, 0 to 1.
+        Called at every wake-up with the phase of the period, 0 to 1.
 
     Raises
     ------
     BearingTwinError
-        If priority or memory locking are asked for and refused.
+        If real-time priority or memory locking is requested and refused.
 
     """
 
@@ -92,7 +92,7 @@ class BlockCycle:
         return self._pacer.period
 
     def start(self) -> None:
-        """Let the first block begin with the first wake-up, or reading of /clock, that follows."""
+        """Start the cycle; the first block begins at the next wake-up or reading of /clock."""
         self._ticks = Clock(clock_type=ClockType.STEADY_TIME)
         self._jumps: JumpHandle | None = None
         if self._simulated:
@@ -105,21 +105,21 @@ class BlockCycle:
                 ),
                 post_callback=self._on_jump,
             )
-            # Also where /clock has ended.
+            # On the steady clock, so that it also works after /clock has stopped.
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self._node.create_timer(REST_PERIOD, self._publish_rest, clock=steady)
-        # Not now: /clock is read by the executor alone, and may have gone on for seconds.
+        # Do not begin now: only the executor updates /clock, which may be seconds ahead.
         self._pacer.release()
         self._pause()
         self._timer = self._node.create_timer(1 / NANO, self._on_timer, clock=self._ticks)
 
     def stop(self) -> None:
-        """Publish no more blocks."""
+        """Stop the cycle: ignore further jumps of /clock. The node destroys the timers."""
         if self._jumps is not None:
             self._jumps.unregister()
 
     def fields(self, due: Due) -> dict[str, float]:
-        """Return the real-time fields of the state message for the block being published."""
+        """Return the real-time fields of the state message of the current block."""
         return {
             'blocks_published': due.number,
             'blocks_late': self._pacer.late,
@@ -129,7 +129,7 @@ class BlockCycle:
         }
 
     def status(self) -> Status:
-        """Status of the deadlines for /diagnostics."""
+        """Return the status of the deadlines for /diagnostics."""
         asleep = time.monotonic() - self._woken
         return realtime.status(
             self._pacer.report(),
@@ -146,21 +146,21 @@ class BlockCycle:
         return self._node.get_clock().now().nanoseconds
 
     def _on_jump(self, _: TimeJump) -> None:
-        # A recording that was sought or begins again: nothing is late, and nothing is dropped.
+        # A replayed recording was moved or restarted: no block is late or dropped.
         self._pacer.step(ticks=self._ticks.now().nanoseconds, time=self._now())
         self._pause()
 
     def _on_timer(self) -> None:
         self._woken = time.monotonic()
         ticks = self._ticks.now().nanoseconds
-        # The next wake-up is set already; what is set here is the time from it to the one after.
+        # The next wake-up is already set; the timer period determines the one after it.
         following = ticks + (self._timer.time_until_next_call() or 0)
         self._publish_due()
         if self._between is not None:
             began = time.perf_counter()
             self._between(self._pacer.phase(self._ticks.now().nanoseconds))
             self._busy += time.perf_counter() - began
-        # Behind the blocks: the first call lets them begin.
+        # After publishing, because the first call starts the pacer.
         self._timer.timer_period_ns = self._pacer.wake_up(following, self._slots) - following
 
     def _publish_due(self) -> None:
@@ -178,12 +178,12 @@ class BlockCycle:
             self._publish_due()
 
     def _pause(self) -> None:
-        """Let no cycle reach over the time up to now."""
+        """Interrupt the cycle statistics: no cycle spans the time before now."""
         self._cycle_began = None
         self._statistics.pause()
 
     def _finish_cycle(self, ticks: int) -> None:
-        # What is done between the blocks before the first one belongs to no cycle.
+        # Work before the first block does not belong to a cycle.
         if self._cycle_began is not None:
             self._statistics.add(self._cycle_began / NANO, self._busy)
         self._cycle_began, self._busy = ticks, 0.0

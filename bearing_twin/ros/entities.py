@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a node has in the graph, and how what a step has added is taken back."""
+"""List the publishers, subscriptions, services and timers of a node, and remove new ones."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def entities(node: LifecycleNode) -> set[Any]:
 
 
 def destroy_new(node: LifecycleNode, before: Collection[Any]) -> None:
-    """Destroy what is not in ``before``, the newest first."""
+    """Destroy all entities of a node that are not in ``before``."""
     destroyers: tuple[tuple[Iterable[Any], Callable[[Any], bool]], ...] = (
         (node.timers, node.destroy_timer),
         (node.clients, node.destroy_client),

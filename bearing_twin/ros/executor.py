@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""An executor whose wait costs the same however many topics and services a node has."""
+"""An executor whose cost per wait does not grow with the number of topics and services."""
 
 from __future__ import annotations
 
@@ -27,36 +27,36 @@ if TYPE_CHECKING:
 
 
 RARE_PERIOD = 0.1
-"""Time between two looks at services and events of the middleware, s."""
+"""Interval of checking services and events of the middleware, s."""
 SERVICES, EVENTS = 100, 40
-"""Most of them that one look is at; where there are more they take turns."""
+"""Most services and events that are checked at a time; if there are more, they take turns."""
 SHORTEST = 0.01
-"""Least time between two polls of a group, s."""
+"""Shortest time between two polls of a group, s."""
 AT_ONCE = 500
-"""Most messages taken from a topic before others have their turn."""
+"""Most messages taken from a topic before other topics get a turn."""
 
 
 class PolledGroup(CallbackGroup):
     """
-    Subscriptions that nothing waits for: they are asked for messages from time to time.
+    Subscriptions that the executor polls instead of waiting for them.
 
-    To wait for a topic costs 4 us each time, to ask whether it has a message 1 us.
+    Waiting for a topic costs 4 us each time, polling it 1 us.
 
-    A message waits at most ``period`` seconds, and less where the executor is awake anyway.
+    A message waits at most ``period`` seconds, and less if the executor is awake anyway.
     """
 
     def __init__(self, period: float) -> None:
         super().__init__()
         self.period = period
         self.asked = 0.0
-        """When its subscriptions were last asked, s of the monotonic clock."""
+        """Time of the last poll, s of the monotonic clock."""
 
     def can_execute(self, entity: Any) -> bool:
-        """Keep an executor from waiting for it."""
+        """Return False, so that no executor waits for a subscription of the group."""
         return False
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Keep an executor from executing it."""
+        """Return False, so that no executor executes a subscription of the group."""
         return False
 
     def ending_execution(self, entity: Any) -> None:
@@ -65,12 +65,12 @@ class PolledGroup(CallbackGroup):
 
 class LeanExecutor(SingleThreadedExecutor):
     """
-    Wait for timers and topics; look at services and at the events of the middleware seldom.
+    Wait for timers and topics; check services and events of the middleware only rarely.
 
-    rclpy gathers everything that a node has before each wait, wraps each callback in a task, and
-    wakes once more behind it, which costs more than what most messages bring. Here a wait is for
-    the timers, and for the topics that are not in a `PolledGroup`. Ten times a second rclpy looks
-    at the rest in its own way. Callbacks of timers and subscriptions are plain functions.
+    Before each wait rclpy collects all entities of a node. It wraps each callback in a task, and
+    wakes once more after it. That costs more than the work for most messages. This executor waits
+    for timers, and for topics that are not in a `PolledGroup`. Ten times a second rclpy checks the
+    rest in its usual way. Callbacks of timers and subscriptions must be plain functions.
     """
 
     def __init__(self, *, context: Context | None = None) -> None:
@@ -83,7 +83,7 @@ class LeanExecutor(SingleThreadedExecutor):
         self._polled: dict[PolledGroup, list[Subscription[Any]]] = {}
 
     def get_nodes(self) -> list[Any]:
-        """Return what rclpy sees of each node at a look: its own waits are not needed."""
+        """Return the part of each node that rclpy checks: services, events, clients, guards."""
         nodes = super().get_nodes()
         self._shares = {node: self._shares.get(node) or _Share(node) for node in nodes}
         return list(self._shares.values())
@@ -91,7 +91,7 @@ class LeanExecutor(SingleThreadedExecutor):
     def _spin_once_impl(
         self, timeout_sec: Any = None, wait_condition: Any = lambda: False
     ) -> None:
-        """Do what is ready, or wait for it; every way of spinning comes here."""
+        """Execute ready callbacks or wait for them; all spin methods call this."""
         until = getattr(timeout_sec, 'timeout', timeout_sec)
         until = time.monotonic() + (RARE_PERIOD if until is None or until < 0.0 else until)
         try:
@@ -104,11 +104,11 @@ class LeanExecutor(SingleThreadedExecutor):
             return
 
     def _due(self) -> float:
-        """When to wake at the latest."""
+        """Return the latest time to wake, s of the monotonic clock."""
         return min([self._next_look, *(group.asked + group.period for group in self._polled)])
 
     def _look(self) -> bool:
-        """Look at everything; return whether something was done."""
+        """Let rclpy check its part of the nodes; return whether a callback was executed."""
         now, worked = time.monotonic(), False
         for share in self.get_nodes():
             share.turn(rare=now >= self._next_rare)
@@ -119,7 +119,7 @@ class LeanExecutor(SingleThreadedExecutor):
             while True:
                 handler, _, _ = self.wait_for_ready_callbacks(timeout_sec=0.0)
                 handler()
-                # An answer that waited for the disk may find its service destroyed.
+                # A service may be destroyed while its answer waited for the disk.
                 with suppress(InvalidHandle):
                     handler.result()
                 worked = True
@@ -128,7 +128,7 @@ class LeanExecutor(SingleThreadedExecutor):
         return worked
 
     def _gather(self) -> None:
-        """Note what to wait for and what to poll."""
+        """Collect the entities to wait for and to poll."""
         nodes = super().get_nodes()
         self._timers = [timer for node in nodes for timer in node.timers]
         self._clients = [client for node in nodes for client in node.clients]
@@ -141,12 +141,12 @@ class LeanExecutor(SingleThreadedExecutor):
                     self._prompt.append(subscription)
 
     def _wait(self, seconds: float) -> bool:
-        """Wait, and do what has come; return whether anything had."""
+        """Wait and execute ready callbacks; return whether there were any."""
         context = self._context
         if context.handle is None:
             raise ExternalShutdownException
         guards = [guard for guard in (self._guard, self._sigint_gc) if guard is not None]
-        # What is in the stack is not destroyed before it is left.
+        # Entities in the stack are not destroyed before it is left.
         with ExitStack() as stack:
             stack.enter_context(context.handle)
             topics, timers = _usable(stack, self._prompt), _usable(stack, self._timers)
@@ -168,7 +168,7 @@ class LeanExecutor(SingleThreadedExecutor):
             if not context.ok():
                 raise ExternalShutdownException
             if wait_set.get_ready_entities('guard_condition'):
-                # There is something new to wait for, or a task of somebody to be done.
+                # There are new entities, or a task was created.
                 self._gather()
                 if any(not task.done() for task, _, _ in self._tasks):
                     self._next_look = 0.0
@@ -181,7 +181,7 @@ class LeanExecutor(SingleThreadedExecutor):
             ready = wait_set.get_ready_entities('subscription')
             for subscription in topics:
                 if subscription.handle.pointer in ready:
-                    # One message: those of other topics, and of /clock, come in between.
+                    # One message per topic, so that other topics and /clock get a turn.
                     worked = _take(subscription, 1) or worked
             ready = wait_set.get_ready_entities('client')
             for client in clients:
@@ -201,9 +201,9 @@ class LeanExecutor(SingleThreadedExecutor):
 
 class _Share:
     """
-    What a look sees of a node.
+    The part of a node that rclpy checks at a time.
 
-    Services and events take turns, so that a look costs the same in a node with hundreds of them;
+    Services and events take turns, so that a check costs the same in a node with hundreds of them:
     rclpy compares each event with each other one.
     """
 
@@ -217,7 +217,7 @@ class _Share:
         self.waitables: Sequence[Any] = ()
 
     def turn(self, *, rare: bool) -> None:
-        """Go on to the next services and events, or to none but where it is time for them."""
+        """Select the next services and events if ``rare``, else none."""
         self._looks += rare
         self.services = self._next(self._node.services, SERVICES) if rare else ()
         self.waitables = self._next(self._node.waitables, EVENTS) if rare else ()
@@ -239,7 +239,7 @@ class _Share:
 
 
 def _usable(stack: ExitStack, entities: Iterable[Any]) -> list[Any]:
-    """Return those that have not been destroyed; they are not while ``stack`` is open."""
+    """Return the entities that are not destroyed; ``stack`` keeps them until it is closed."""
     usable = []
     for entity in entities:
         try:
@@ -260,7 +260,7 @@ def _call(timer: Any) -> None:
 
 
 def _take(subscription: Any, most: int) -> bool:
-    """Take messages that wait on a topic; return whether there was one."""
+    """Take up to ``most`` waiting messages of a topic; return whether there was one."""
     worked = False
     for _ in range(most):
         try:

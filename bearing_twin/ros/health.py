@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Statuses of a node on /diagnostics (REP 107), once a second; changes go to the log."""
+"""Publish statuses of a node on /diagnostics (REP 107) once a second, and log changes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 PLAIN = str.maketrans({'"': "'", '\n': ' ', '\\': '/'})
 PARTS = 64
-"""Most statuses of a message: they are made in 1 to 2 ms, for which a block can wait."""
+"""Most statuses per message: they take 1 to 2 ms, which a block can wait."""
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')
 
 
@@ -41,15 +41,15 @@ class Status(NamedTuple):
     """
     One status.
 
-    The keys of ``values`` are stable and carry their unit (``age_s``). A value is always a number
-    or always a text; a number that is not known (NaN) is left out.
+    The keys of ``values`` are stable and include their unit (``age_s``). A value is always a
+    number or always a text; an unknown number (NaN) is omitted.
     """
 
     level: Level
     message: str
     values: Mapping[str, object]
     kind: str = ''
-    """What has to change, besides the level, for the log; '': the message without its numbers."""
+    """A change of this text or of the level is logged; '': use the message without its numbers."""
 
 
 class _Spell(NamedTuple):
@@ -65,19 +65,18 @@ class Health:
     """
     Publish the statuses of a node's parts on the absolute topic /diagnostics.
 
-    The idiom of diagnostic_updater, which is not available from PyPI: named tasks, 1 Hz,
-    names ``NODE: PART``, a fresh message even where nothing has changed so that an aggregator
-    sees the node become stale when it dies. Those of a large fleet are spread over the second. A
-    part that leaves OK, comes back or changes its trouble is logged once, with the time that the
-    state before has lasted.
+    It follows diagnostic_updater, which is not available from PyPI: named tasks, 1 Hz, names
+    ``NODE: PART``, and a message even without changes, so that an aggregator sees a dead node
+    become stale. The statuses of a large fleet are spread over the second. A part that leaves OK,
+    returns to it or changes its problem is logged once, with the duration of its former state.
 
     Parameters
     ----------
     node
         The node.
     hardware_id
-        Asset or sensor that the statuses speak of, such as the node's namespace; the name of the
-        node where it is empty or the root namespace.
+        Asset or sensor of the statuses, such as the namespace of the node. If it is empty or the
+        root namespace, the name of the node is used.
 
     """
 
@@ -86,16 +85,16 @@ class Health:
         self._node = node
         self._spells: dict[str, _Spell] = {}
         self.tasks: dict[str, tuple[Callable[[], Status], str]] = {}
-        """What returns the status of each part, and the asset that it speaks of."""
+        """Function that returns the status, and the asset, by part."""
         self._turn = 0
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', RESULT)
-        # The wall clock: a paused /clock must not silence a node.
+        # Not the ROS clock: a paused /clock must not silence a node.
         self._timer = node.create_timer(
             1.0, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
     def add(self, part: str, task: Callable[[], Status], *, hardware_id: str = '') -> None:
-        """Add a part, whose ``task`` returns its status: of the asset of the node if no other."""
+        """Add a part whose ``task`` returns its status; by default for the asset of the node."""
         self.tasks[part] = (task, hardware_id.strip('/') or self.hardware_id)
         self._timer.timer_period_ns = NANO // math.ceil(len(self.tasks) / PARTS)
 
@@ -105,7 +104,7 @@ class Health:
         self._node.destroy_publisher(self._publisher)
 
     def publish(self) -> None:
-        """Ask the parts whose turn it is, of a few dozen all, and publish."""
+        """Publish the statuses of the next ``PARTS`` parts."""
         array = DiagnosticArray()
         array.header.stamp = self._node.get_clock().now().to_msg()
         name = self._node.get_fully_qualified_name().lstrip('/')
@@ -135,11 +134,11 @@ class Health:
             return
         self._spells[part] = _Spell(key, status.message, now, former is None)
         if former is None or (status.level is Level.OK and former.first):
-            # How a node starts is no news.
+            # The first states of a node are not logged.
             return
         if status.level is Level.OK and former.key[0] is Level.OK:
             return
-        # Only the level changes where a suspicion that stands becomes an alarm.
+        # If only the level changes, as from suspicion to alarm, name the former level.
         alike = former.message == status.message
         was = former.key[0].name if alike else former.message
         text = f'{part}: {status.message} (before, for {now - former.began:.0f} s: {was})'
@@ -153,7 +152,7 @@ class Health:
 
 
 def known(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    """Yield what is sent of the values of a status: numbers that are NaN or infinite are not."""
+    """Yield the values of a status that are published: all except NaN and infinite numbers."""
     for key, value in values.items():
         if not isinstance(value, float) or math.isfinite(value):
             yield key, value
@@ -162,5 +161,5 @@ def known(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
 def _text(value: object) -> str:
     if isinstance(value, float):
         return f'{value:.6g}'
-    # diagnostic_remote_logging sends texts between double quotes, as they are, in one line.
+    # diagnostic_remote_logging sends texts unescaped in double quotes and on one line.
     return str(int(value) if isinstance(value, bool) else value).translate(PLAIN)

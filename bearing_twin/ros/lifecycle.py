@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Base of our nodes: a lifecycle node with a parameter table, which brings itself up."""
+"""Base class of the nodes: a lifecycle node with a parameter table and automatic start."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
 
 
 POLL_PERIOD = 0.1
-"""Longest that an input waits which is used with the next block, s."""
+"""Longest time that a polled input waits, s."""
 
 
 class ManagedNode(LifecycleNode):
     """
     A lifecycle node with a parameter table.
 
-    ``configure`` builds what the parameters describe, ``activate`` starts it, ``deactivate`` and
-    ``cleanup`` undo the two, and destroy the topics, services and timers that the step made. A
-    subclass fills in :meth:`prepare`, :meth:`check`, :meth:`apply`, :meth:`setup`, :meth:`start`,
-    :meth:`stop` and :meth:`teardown`; each of the last four may raise BearingTwinError, which
-    fails the transition with its text in the log.
+    ``configure`` builds the objects for the parameters, and ``activate`` starts the work.
+    ``deactivate`` and ``cleanup`` undo these steps, and destroy the topics, services and timers
+    that the step made. Subclasses implement :meth:`prepare`, :meth:`check`, :meth:`apply`,
+    :meth:`setup`, :meth:`start`, :meth:`stop` and :meth:`teardown`. If one of the last four raises
+    BearingTwinError, the transition fails and the text is logged.
     """
 
     def __init__(self, name: str, specs: Iterable[Spec]) -> None:
@@ -54,12 +54,12 @@ class ManagedNode(LifecycleNode):
         self.polled = PolledGroup(POLL_PERIOD)
         """Group of the subscriptions that can wait for the next block."""
         self.states = NodeStates(self.get_logger().error)
-        """What it keeps over restarts; let go of when it is torn down."""
+        """States kept over restarts; released at the end."""
         self._managed = False
         self.failed = False
-        """Whether the work has ended in an error: the exit status of the process."""
+        """Whether the work has ended with an error; sets the exit status of the process."""
         self.refused = False
-        """Whether that was a parameter which is looked at only when it is used."""
+        """Whether the error is a refused parameter, found only when the parameter was used."""
         self.parameters = ParameterSet(
             self, (*specs, AUTOSTART), check=self.check, apply=self._apply, locked=self._is_locked
         )
@@ -67,7 +67,7 @@ class ManagedNode(LifecycleNode):
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any
     ) -> Subscription[Any]:
-        """Subscribe; rclpy's own subscription to /clock gets valid times only."""
+        """Subscribe; messages for rclpy's own subscription to /clock are validated."""
         if msg_type is Clock and not kwargs.get('raw', False):
             callback, kwargs['raw'] = validated(self, Clock, topic, _without_info(callback)), True
         return super().create_subscription(msg_type, topic, callback, *args, **kwargs)
@@ -75,7 +75,7 @@ class ManagedNode(LifecycleNode):
     def create_service(
         self, srv_type: Any, srv_name: str, callback: Any, *args: Any, **kwargs: Any
     ) -> Service[Any, Any]:
-        """Create a service; rclpy's own for parameters get types only that there are."""
+        """Create a service; requests to rclpy's own parameter services are sanitised."""
         if srv_type in (SetParameters, SetParametersAtomically):
             callback = with_known_types(callback)
         return super().create_service(srv_type, srv_name, callback, *args, **kwargs)
@@ -89,7 +89,7 @@ class ManagedNode(LifecycleNode):
         name
             Its name.
         action
-            Returns the message of the answer, or what gives it when awaited: the node works
+            Function that returns the message of the answer, or an awaitable of it; the node works
             meanwhile. A BearingTwinError refuses the request.
 
         """
@@ -100,29 +100,29 @@ class ManagedNode(LifecycleNode):
         return self.create_service(Trigger, name, answer)
 
     def prepare(self) -> None:
-        """Compile what is compiled at the first start; in a thread, while services answer."""
+        """Compile at the first start; called in a thread, while services answer."""
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Raise BearingTwinError if the parameters do not fit together."""
+        """Raise BearingTwinError if parameters contradict each other."""
 
     def apply(self, values: Mapping[str, Any]) -> None:
-        """Take changed parameters into the configured node."""
+        """Apply changed parameters to the configured node."""
 
     def setup(self) -> None:
         """Build publishers, subscriptions and the core objects."""
 
     def start(self) -> None:
-        """Begin to work."""
+        """Start the work."""
 
     def stop(self) -> None:
-        """Stop working; :meth:`start` may follow."""
+        """Stop the work; :meth:`start` may follow."""
 
     def teardown(self) -> None:
-        """Give up what :meth:`setup` built."""
+        """Release the objects that :meth:`setup` built."""
 
     def bring_up(self) -> None:
         """
-        Configure and activate, if ``autostart`` says so and nobody has begun to.
+        Configure and activate, if ``autostart`` is set and no manager has begun to.
 
         Raises
         ------
@@ -135,25 +135,25 @@ class ManagedNode(LifecycleNode):
         for trigger in (self.trigger_configure, self.trigger_activate):
             result = trigger()
             if not self.context.ok():
-                # Told to end while still coming up: no error.
+                # Interrupted while starting: this is not an error.
                 raise ExternalShutdownException
             if result != TransitionCallbackReturn.SUCCESS:
                 msg = 'the node could not start; the reason stands in the log above'
                 raise BearingTwinError(msg)
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Build; rclpy's callback."""
+        """Set up the node; callback of rclpy."""
         self._managed = True
         self._unconfigured = entities(self)
         result = self._attempt_or_undo(self.setup, self._unconfigured)
         if result == TransitionCallbackReturn.SUCCESS:
             self.configured = True
-            # No error: a file of parameters may be shared with other nodes.
+            # Not an error: a parameter file may be shared with other nodes.
             for sentence in unknown_at_start(self):
                 self.get_logger().warning(sentence)
-            # A full collection takes tens of milliseconds with these libraries loaded: what
-            # exists now stays, so the collector need not look at it again until the next time:
-            # what a former life of the node has left is then freed.
+            # A full garbage collection takes tens of milliseconds with these libraries loaded.
+            # Freeze the present objects, so that the collector skips them. The next configuration
+            # frees objects that an earlier one has left.
             gc.unfreeze()
             gc.collect()
             gc.freeze()
@@ -162,7 +162,7 @@ class ManagedNode(LifecycleNode):
         return result
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Start; rclpy's callback."""
+        """Start the work; callback of rclpy."""
         if super().on_activate(state) != TransitionCallbackReturn.SUCCESS:
             return TransitionCallbackReturn.FAILURE
         self._inactive = entities(self)
@@ -173,32 +173,32 @@ class ManagedNode(LifecycleNode):
         return result
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Tear down after a defect of ours; rclpy's callback."""
+        """Tear down after a programming error; callback of rclpy."""
         self.shut_down()
         return TransitionCallbackReturn.SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Stop; rclpy's callback."""
+        """Stop the work; callback of rclpy."""
         self.active = False
         result = self._undo(self.stop, self._inactive)
         super().on_deactivate(state)
         return result
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Tear down; rclpy's callback."""
+        """Tear down; callback of rclpy."""
         result = self._tear_down()
-        # What could not be finished stands in the log: nothing is left that could be activated.
+        # The log has the failure; the node counts as cleaned up, as nothing can be activated.
         failure, success = TransitionCallbackReturn.FAILURE, TransitionCallbackReturn.SUCCESS
         return success if result == failure else result
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Stop and tear down from any state; rclpy's callback."""
+        """Stop and tear down from any state; callback of rclpy."""
         self._managed = True
         self.shut_down()
         return TransitionCallbackReturn.SUCCESS
 
     def shut_down(self) -> None:
-        """Stop and tear down what is up; called on every way out."""
+        """Stop and tear down if necessary; called whenever the process ends."""
         if self.active:
             self.active = False
             self._undo(self.stop, self._inactive)
@@ -219,14 +219,14 @@ class ManagedNode(LifecycleNode):
             self.apply(values)
 
     def _attempt_or_undo(self, step: Any, before: set[Any]) -> TransitionCallbackReturn:
-        """Attempt a step; where it fails, what it has made does not go on beside the next one."""
+        """Attempt a step; if it fails, destroy the entities that it has made."""
         result = self._attempt(step)
         if result != TransitionCallbackReturn.SUCCESS:
             destroy_new(self, before)
         return result
 
     def _undo(self, step: Any, before: set[Any]) -> TransitionCallbackReturn:
-        """Attempt the end of a state; destroy what was made in it."""
+        """Attempt the step that leaves a state; destroy the entities made in that state."""
         result = self._attempt(step)
         destroy_new(self, before)
         return result
@@ -240,9 +240,9 @@ class ManagedNode(LifecycleNode):
                 self.get_logger().error(shown(error, keep='\n'))
                 return TransitionCallbackReturn.FAILURE
             if not self.context.ok():
-                # An interrupt can strike anywhere, in the compiler too: no defect of ours.
+                # An interrupt can occur anywhere, also in the compiler: not a programming error.
                 return TransitionCallbackReturn.FAILURE
-            # rclpy would swallow it: a defect of ours must be seen where it happened.
+            # rclpy would hide the error: log a programming error with its traceback.
             self.get_logger().fatal(traceback.format_exc())
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
@@ -250,7 +250,7 @@ class ManagedNode(LifecycleNode):
 
 async def answered(response: Any, action: Callable[[], str | Awaitable[str]]) -> Any:
     """
-    Fill in the answer of a service that has ``success`` and ``message``.
+    Run ``action`` and fill in ``success`` and ``message`` of the answer of a service.
 
     ``action`` is as in :meth:`ManagedNode.offer`.
     """
@@ -268,7 +268,7 @@ def _without_info(callback: Callable[[Any], None]) -> Callable[[Any, MessageInfo
 
 
 def refuses(error: Exception) -> bool:
-    """Whether an error says that what a user gave is refused, by us or by rclpy."""
-    # A reliability that there is not is a plain RuntimeError.
+    """Return whether an error is a refusal of user input, by this package or by rclpy."""
+    # For an unknown reliability rclpy raises a plain RuntimeError.
     refusals = BearingTwinError, ParameterException, InvalidQosOverridesError
     return isinstance(error, refusals) or str(error).startswith('Unexpected QoS override')

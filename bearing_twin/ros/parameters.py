@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Parameters of the nodes: one table a node, declared, checked and applied in one place.
+Declare, check and apply the parameters of a node from its table.
 
-The nodes' tables are also what ``docs/nodes.md`` is generated from.
+``docs/nodes.md`` is generated from the same tables.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
 
 TYPES = {kind.value for kind in Parameter.Type}
-"""Types that a parameter may have, as numbers."""
+"""Numbers of the valid parameter types."""
 
 
 def unknown_at_start(node: Node) -> list[str]:
-    """Return a sentence on each parameter that was given at start and that the node has not."""
+    """Return a sentence on each parameter given at start that the node does not have."""
     names = node.list_parameters([], 0).names
     return [
         no_parameter(name, names)
@@ -47,9 +47,9 @@ def with_known_types(
     callback: Callable[[Any, Any], Any],
 ) -> Callable[[Any, Any], Any]:
     """
-    Return a callback of a service that sets parameters; a type that there is not is none.
+    Return a service callback that replaces unknown parameter types by "not set".
 
-    rclpy refuses a parameter without a type, and would end the node for a type it does not know.
+    rclpy refuses a parameter that is not set, but an unknown type would end the node.
     """
 
     def answer(request: Any, response: Any) -> Any:
@@ -62,7 +62,7 @@ def with_known_types(
 
 
 def descriptor(spec: Spec) -> ParameterDescriptor:
-    """Return what ``ros2 param describe`` shows."""
+    """Return the description that ``ros2 param describe`` shows."""
     text = spec.description
     if spec.unit:
         text += f' [{spec.unit}]'
@@ -90,26 +90,26 @@ def descriptor(spec: Spec) -> ParameterDescriptor:
 
 class ParameterSet:
     """
-    Declare the parameters of a node, check changes as a whole and apply them afterwards.
+    Declare the parameters of a node; check each change as a whole, then apply it.
 
     Parameters
     ----------
     node
         The node.
     specs
-        Its table.
+        Table of the parameters.
     check
-        Called with all values as they would become; raises BearingTwinError to refuse the change.
+        Called with all values including a change; raises BearingTwinError to refuse the change.
     apply
-        Called with all values after a change has been accepted.
+        Called with all values after an accepted change.
     locked
         Returns whether parameters with ``running=False`` are locked now.
     prefix
-        Put before the names: '' or ``ASSET.``, where a node hosts several.
+        Prefix of the names: '', or ``ASSET.`` if a node hosts several assets.
     given
-        Defaults that replace those of the table, such as those of a file of assets.
+        Defaults that replace those of the table, such as those in a file of assets.
     inherited
-        Values that are not parameters here but belong to :attr:`values`.
+        Values that are not parameters here but are included in :attr:`values`.
 
     Raises
     ------
@@ -137,11 +137,11 @@ class ParameterSet:
         self.locked = locked
         self._prefix = prefix
         self._text = ''
-        # At start, as in a launch file or behind --ros-args.
+        # Values given at start, by a launch file or after --ros-args.
         at_start = {n: p.value for n, p in node._parameter_overrides.items()}
         ours = {n.removeprefix(prefix): v for n, v in at_start.items() if n.startswith(prefix)}
         if not prefix:
-            # The others may be for another node: see `unknown_at_start`.
+            # Others may be for another node; `unknown_at_start` reports them.
             ours = {n: v for n, v in ours.items() if n in self._specs}
         values = read_values(self._specs.values(), {**(given or {}), **ours})
         for name, value in values.items():
@@ -163,31 +163,31 @@ class ParameterSet:
 
     @property
     def text(self) -> str:
-        """Return what a checkpoint says of the values in force, as YAML."""
+        """Return the configuration for a checkpoint, as YAML."""
         if not self._text:
             self._text = yaml.safe_dump(self.configuration)
         return self._text
 
     @property
     def configuration(self) -> dict[str, Any]:
-        """Return what a checkpoint says of the values in force."""
+        """Return the values in force that a checkpoint stores."""
         return configuration(self._specs.values(), self._values)
 
     @property
     def specs(self) -> tuple[Spec, ...]:
-        """Return the table."""
+        """Return the table of the parameters."""
         return tuple(self._specs.values())
 
     @property
     def names(self) -> list[str]:
-        """Names of the parameters on the node."""
+        """Names of the parameters on the node, with prefix."""
         return [self._prefix + name for name in self._specs]
 
     def _ours(self, parameters: list[Parameter[Any]]) -> dict[str, Any]:
         return {p.name.removeprefix(self._prefix): p.value for p in parameters}
 
     def on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
-        """Check parameters of this set that are to change."""
+        """Check a change of parameters of this set."""
         ours = self._ours(parameters)
         fixed = [
             name
@@ -209,7 +209,7 @@ class ParameterSet:
         return SetParametersResult(successful=True)
 
     def after_set(self, parameters: list[Parameter[Any]]) -> None:
-        """Take in parameters of this set that have changed."""
+        """Apply an accepted change of parameters of this set."""
         ours = self._ours(parameters)
         self._text = ''
         self._values.update(ours)
@@ -218,9 +218,10 @@ class ParameterSet:
 
 class _Asked:
     """
-    What a node asks about its parameters: each name belongs to one set.
+    Parameter callbacks of a node; they call the one set that owns a name.
 
-    A fleet of 300 declares 600 sets; were each asked for each name, its start took half a minute.
+    A fleet of 300 assets declares 600 sets. Calling each set for each name would make its start
+    take half a minute.
     """
 
     def __init__(self, node: Node) -> None:
@@ -231,14 +232,14 @@ class _Asked:
 
     @classmethod
     def of(cls, node: Node) -> _Asked:
-        """Return that of a node."""
+        """Return the callbacks of a node; create them at the first call."""
         asked: _Asked | None = vars(node).get('_asked')
         if asked is None:
             asked = vars(node)['_asked'] = cls(node)
         return asked
 
     def take(self, of: ParameterSet) -> None:
-        """Take the names of a set."""
+        """Register a set as owner of its names."""
         self._owners.update(dict.fromkeys(of.names, of))
 
     def _parted(self, parameters: list[Parameter[Any]]) -> dict[ParameterSet, list[Any]]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What makes a publishing node punctual: its policy, its thresholds, its scheduling."""
+"""Real-time behaviour of a publishing node: pacer, scheduling, memory locking, status."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MCL_CURRENT, MCL_FUTURE = 1, 2
 
 
 def check_thresholds(values: Mapping[str, Any]) -> None:
-    """Refuse a warning that would come after the error."""
+    """Refuse a warning threshold above its error threshold."""
     for name, *_ in THRESHOLDS:
         warn, error = values[f'{name}.warn'], values[f'{name}.error']
         if not warn <= error:
@@ -33,7 +33,7 @@ def check_thresholds(values: Mapping[str, Any]) -> None:
 
 
 def build_pacer(values: Mapping[str, Any], behind: float = 0.0) -> Pacer:
-    """Return the deadlines that the parameters describe, for a node that may lag ``behind``, s."""
+    """Return the pacer for the parameters, for a node that may lag by ``behind`` s."""
     block, rate = values['block_size'], values['sample_rate']
     return Pacer(
         block=block,
@@ -51,12 +51,12 @@ def raise_priority(priority: int) -> str:
     Returns
     -------
     str
-        What is in force, for /diagnostics.
+        Scheduling in force, for /diagnostics.
 
     Raises
     ------
     BearingTwinError
-        If the system refuses.
+        If the system refuses the priority.
 
     """
     if not priority:
@@ -73,7 +73,7 @@ def raise_priority(priority: int) -> str:
 
 
 def lock_memory() -> None:
-    """Keep all present and future memory of the process from being swapped out."""
+    """Prevent all present and future memory of the process from being swapped out."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
         reason = os.strerror(ctypes.get_errno())
@@ -96,12 +96,12 @@ def status(
     still: bool,
 ) -> Status:
     """
-    Status of the deadlines for /diagnostics.
+    Return the status of the deadlines for /diagnostics.
 
     Parameters
     ----------
     report
-        Lateness and counts.
+        Lateness and counts of blocks.
     cycles
         Periodicity and execution time.
     values
@@ -111,8 +111,8 @@ def status(
     scheduling
         Scheduling in force.
     active, simulated, still
-        Whether the node publishes, whether /clock paces it, and whether that stands still. Blocks
-        come in the steps of /clock, at its pace: no threshold of real time speaks of them.
+        Whether the node publishes, whether /clock paces it, and whether /clock stands still. In
+        simulated time the thresholds do not apply, because blocks follow the steps of /clock.
 
     """
     periodicity, execution = cycles.periodicity, cycles.execution_time

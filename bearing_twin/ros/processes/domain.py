@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""An unused ROS domain, for runs that must receive nothing from others."""
+"""Find an unused ROS domain, for runs that must not receive messages of other processes."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
 
 HIGHEST_DOMAIN = 232
-"""Above it the port numbers of DDS end."""
+"""Highest domain for which DDS has port numbers."""
 DOMAINS = 100
-"""Domains 1 to 100 keep clear of the ports that Linux hands out by itself."""
+"""Domains 1 to 100 do not use the ephemeral ports of Linux."""
 LISTEN = 1.5
 """Time after which every participant of a domain has announced itself, s."""
 LISTEN_FOR_NAMES = 10.0
-"""Longest time to wait for the announcement of who holds a port of the domain, s."""
+"""Longest time to wait for the announcement of a participant that holds a port, s."""
 
-# RTPS 2.5, section 9.6.2.3: where the ports of a domain begin, and that of its k-th participant.
+# RTPS 2.5, section 9.6.2.3: first port of a domain, and ports of its participants.
 FIRST_PORT, PORTS_A_DOMAIN = 7400, 250
 PARTICIPANTS = range(10, 42, 2)
 CLAIM = 5
-"""A port of the domain that RTPS leaves free; the holder has claimed the domain for its run."""
+"""Offset of a port that RTPS does not use; a process that holds it has claimed the domain."""
 
 
 def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
@@ -49,7 +49,7 @@ def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
                 for name, namespace in node.get_node_names_and_namespaces()
                 if (name, namespace) != own
             ]
-            # Publishers that are no ROS nodes, such as a bridge, are missing in that list.
+            # Publishers that are not ROS nodes, such as a bridge, are not in that list.
             if not others and node.count_publishers('/twin_state'):
                 others = ['a publisher of /twin_state']
             if others or time.monotonic() > end:
@@ -65,7 +65,7 @@ def check_domain(domain: int) -> None:
     if not 0 <= domain <= HIGHEST_DOMAIN:
         msg = f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}'
         raise BearingTwinError(msg)
-    # Above domain 100 a process may hold a port of it by chance: only announcements count.
+    # A process may hold a port by chance, above domain 100: only announcements count.
     others = inhabitants(domain, LISTEN_FOR_NAMES if _ports_are_held(domain) else LISTEN)
     if others:
         msg = f'in ROS domain {domain} there is {others[0]} already; name another, or none'
@@ -75,17 +75,17 @@ def check_domain(domain: int) -> None:
 @contextmanager
 def own_domain(first: int, listen: float = LISTEN) -> Iterator[int]:
     """
-    Give an empty domain that no other caller takes meanwhile.
+    Claim an empty domain, so that no other caller uses it at the same time.
 
-    A participant holds one of the domain's ports even before it has announced itself. Listening
-    also finds participants that do not use UDP.
+    A participant holds one of the ports of the domain even before it has announced itself.
+    Listening also finds participants that do not use UDP.
 
     Parameters
     ----------
     first
-        Where to begin, such as the process id: at domain ``1 + first % 100``.
+        Any number, such as the process id: the search begins at domain ``1 + first % 100``.
     listen
-        Time to listen in each, s; 0 to look at the ports alone.
+        Time to listen in each domain, s; 0 to check the ports only.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def own_domain(first: int, listen: float = LISTEN) -> Iterator[int]:
 
 def server_port(domain: int) -> int:
     """
-    Return a port of a domain that no participant takes, for a server of whoever has claimed it.
+    Return a port of a domain that no participant uses, for a server of the claiming process.
 
     Examples
     --------
@@ -125,7 +125,7 @@ def _port(domain: int) -> int:
 
 
 def _bind(port: int) -> socket.socket | None:
-    """Return a socket that holds a UDP port until it is closed; None if another one does."""
+    """Return a socket that holds a UDP port until it is closed; None if the port is in use."""
     claim = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         claim.bind(('', port))
@@ -136,7 +136,7 @@ def _bind(port: int) -> socket.socket | None:
 
 
 def _ports_are_held(domain: int) -> bool:
-    """Whether a process of this machine holds a port that a participant of the domain takes."""
+    """Return whether a local process holds a port that a participant of the domain would use."""
     for offset in (0, *PARTICIPANTS):
         claim = _bind(_port(domain) + offset)
         if claim is None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the launch files have in common: typed arguments that win over a parameter file."""
+"""Common parts of the launch files: typed arguments that override a parameter file."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ class Argument:
     name: str
     text: str
     default: str | Substitution | Sequence[str | Substitution] = ''
-    """If it ends up empty, the parameter is that of the file, or the node's default."""
+    """If it is empty, the value of the parameter file or the default of the node applies."""
     kind: type = str
 
 
 def shared(*path: str) -> PathJoinSubstitution:
-    """Return where a file of this package is installed."""
+    """Return the path of an installed file of this package."""
     return PathJoinSubstitution([FindPackageShare(PACKAGE), *path])
 
 
@@ -69,29 +69,29 @@ def launch_description(
     Parameters
     ----------
     arguments
-        Its arguments, among them ``namespace``; ``params_file`` and ``use_sim_time``, where they
-        are there, are for all nodes.
+        Arguments of the file, among them ``namespace``. ``params_file`` and ``use_sim_time``, if
+        present, apply to all nodes.
     nodes
-        Executables to start, and the arguments that become parameters of each.
+        Executables to start, and for each the arguments that become its parameters.
     conditions
-        Argument that tells whether to start an executable.
+        For an executable, the argument that decides whether to start it.
     remappings
-        Other names for topics of an executable.
+        For an executable, other names of its topics.
     respawned
-        Executables that are started again where they die, unless they refuse their parameters.
+        Executables that are restarted after a crash, unless they refuse their parameters.
 
     Raises
     ------
     BearingTwinError
-        At launch, if an argument has the wrong type or ``params_file`` is no file: launch itself
-        would warn and go on with the defaults.
+        At launch, if an argument has the wrong type or ``params_file`` is not a file: launch
+        itself would only warn and continue with the defaults.
 
     """
     conditions, remappings = conditions or {}, remappings or {}
 
     def start(context: LaunchContext) -> list[Node | RegisterEventHandler]:
         declared = [each.name for each in arguments]
-        # Only what was typed: a launch file that includes this one has names of its own.
+        # Check only the command line: a launch file that includes this one has its own arguments.
         typed = {argument.partition(':=')[0] for argument in context.argv}
         for name in sorted(typed - set(declared)):
             for close in get_close_matches(name, declared, n=1, cutoff=0.85):
@@ -110,7 +110,7 @@ def launch_description(
                 Node(
                     package=PACKAGE,
                     executable=executable,
-                    # Parameters of a named node win over those of a file for all nodes.
+                    # Parameters of a named node override those of a file for all nodes.
                     name=executable,
                     namespace=LaunchConfiguration('namespace'),
                     parameters=[*([file] if file else []), *([chosen] if chosen else [])],
@@ -133,7 +133,7 @@ def launch_description(
 
 
 def _leave_refused(event: ProcessExited, _: LaunchContext) -> list[EmitEvent]:
-    """Let launch not start a node again that would refuse its parameters again."""
+    """Stop launch from restarting a node that has refused its parameters."""
     if event.returncode != REFUSED:
         return []
     get_logger(PACKAGE).error(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Start our nodes as real processes, where there is no ros2 launch. Knows no rclpy."""
+"""Start nodes of this package as processes without ros2 launch. Imports no rclpy."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
 
 
 COMPILING = 'compiling the kernel (first start only)'
-"""What a twin logs when its start takes long for that reason."""
+"""Log message of a node whose start takes long because it compiles."""
 LOADING = 'loading the kernel'
-"""The same where the kernel has been compiled before."""
+"""Log message of a node whose start takes long because it loads compiled code."""
 REFUSED = 2
-"""Exit status of a node that refuses its parameters or arguments, as it would the next time."""
+"""Exit status of a node that refuses its parameters or arguments; a restart would not help."""
 PARENT = 'BEARING_TWIN_PARENT'
-"""Variable in which our launch files tell their nodes the process with which they end."""
+"""Environment variable with the process id of the launch with which a node ends."""
 COMMAND = (
     'import sys; sys.path[:] = filter(None, sys.path); '
     'from bearing_twin.start import command; sys.exit(command())'
 )
-"""What ``bearing-twin`` runs, but nothing is imported from the working directory, whatever lies
-there: the option for that, -P, is one of Python 3.11."""
+"""Python code of the command ``bearing-twin``, without imports from the working directory. The
+Python option for this, -P, exists only since 3.11."""
 
 
 def local_environment(domain_id: int) -> dict[str, str]:
-    """Return an environment in which ROS talks to this machine only, in a domain of its own."""
+    """Return an environment that limits ROS to this machine and to the given domain."""
     return {
         **os.environ,
         'ROS_DOMAIN_ID': str(domain_id),
@@ -45,10 +45,10 @@ def local_environment(domain_id: int) -> dict[str, str]:
 
 def ensure_log_folder() -> None:
     """
-    Let ROS log to a temporary folder where it cannot write to its own.
+    Make ROS log to a temporary folder if it cannot write to its default one.
 
-    A container may have no HOME, or one that is read-only: rclpy does not start then. A folder
-    named by the user (``ROS_LOG_DIR``) is left as it is, and rclpy says what is wrong with it.
+    In a container HOME may be missing or read-only, and then rclpy does not start. A folder given
+    by the user (``ROS_LOG_DIR``) is not changed; rclpy reports problems with it.
     """
     if os.environ.get('ROS_LOG_DIR'):
         return
@@ -67,7 +67,7 @@ def ensure_log_folder() -> None:
 
 
 class NodeProcesses:
-    """Nodes of this package as processes; leaving the context ends those it started."""
+    """Nodes of this package as processes; leaving the context ends all that it started."""
 
     def __init__(self, logs: Path, environment: Mapping[str, str]) -> None:
         self._logs = logs
@@ -75,7 +75,7 @@ class NodeProcesses:
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
 
     def __enter__(self) -> NodeProcesses:
-        """Return itself."""
+        """Make the folder of the logs; return the object itself."""
         self._logs.mkdir(parents=True, exist_ok=True)
         return self
 
@@ -94,9 +94,10 @@ class NodeProcesses:
         within: tuple[str, ...] = (),
     ) -> None:
         """
-        Start the node of a module with parameters, under a name of its own if one is given.
+        Start the node of a module with parameters; ``name`` is its key, by default ``module``.
 
-        ``ros`` are more ``--ros-args``; ``within`` is a command to run it, ``ip netns exec HOST``.
+        ``ros`` holds further ``--ros-args``. ``within`` is a command that runs the node, such as
+        ``ip netns exec HOST``.
         """
         words = [*within, sys.executable, '-c', COMMAND]
         words += ['run', module, '--ros-args']
@@ -113,11 +114,11 @@ class NodeProcesses:
             )
 
     def running(self, name: str) -> bool:
-        """Whether the process is still there."""
+        """Return whether the process is still running."""
         return self._processes[name].poll() is None
 
     def check(self) -> None:
-        """Raise BearingTwinError if a process has failed, with the end of what it printed."""
+        """Raise BearingTwinError with the last lines of its log if a process has failed."""
         for name, process in self._processes.items():
             if process.poll():
                 text = (self._logs / f'{name}.log').read_text(errors='replace').strip()
@@ -135,10 +136,10 @@ class NodeProcesses:
 
     def end(self, name: str, *, by: signal.Signals = signal.SIGINT) -> int:
         """
-        End a process as a user would; return its exit status.
+        End a process by a signal, as a user would; return its exit status.
 
-        One that has not ended after a minute is killed: a recorder writes the end of its
-        recording, which a slow disk may take long for.
+        A process that has not ended after a minute is killed. A recorder needs time to write the
+        end of its recording to a slow disk.
         """
         process = self._processes.pop(name)
         if process.poll() is None:
@@ -151,7 +152,7 @@ class NodeProcesses:
 
 
 def _yaml(value: object) -> str:
-    """Write a value as the YAML that --ros-args takes."""
+    """Return a value as YAML for --ros-args."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Run a node as a process: prepare it, bring it up, end it cleanly when told to."""
+"""Run a node as a process: prepare it, start it, and end it cleanly on a signal."""
 
 from __future__ import annotations
 
@@ -41,20 +41,20 @@ if TYPE_CHECKING:
 
 RCLError: type[Exception] = rclpy_implementation.RCLError
 SLOW = 2.0
-"""Time after which a node says why its preparation takes long, s."""
+"""Time after which a node reports why its preparation takes long, s."""
 THREAD = 'compiler'
 _PR_SET_PDEATHSIG = 1
-"""Of ``linux/prctl.h``: the signal that a process gets when its parent ends."""
+"""Option in ``linux/prctl.h``: signal to a process when its parent ends."""
 PART = 'real time'
-"""Part of the node that a status speaks of; every node that compiles has it later on, too."""
+"""Name of the status during preparation; every node that compiles uses it later, too."""
 
 
 def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int:
     """
-    Run a node until it is told to end; return the exit status.
+    Run a node until a signal ends it; return the exit status.
 
-    INT and TERM end it cleanly: files are finished, the status is 0. Where parameters or arguments
-    are refused it is that of :data:`REFUSED`, so that nobody starts the node again in vain.
+    SIGINT and SIGTERM end it cleanly: files are finished and the status is 0. The status is
+    :data:`REFUSED` if parameters or arguments are refused, because a restart would not help.
     """
     stray = _stray(sys.argv[1:] if args is None else args)
     if stray:
@@ -70,7 +70,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     keep_freed_memory()
     status = _run(node_class, args)
     if _is_compiling():
-        # It cannot be told to stop, and has nothing to lose.
+        # The compiler cannot be interrupted, and there is nothing to save.
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)
@@ -80,25 +80,25 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
 
 def _end_with_parent() -> None:
     """
-    End, as by SIGTERM, when the launch ends that has started this process.
+    Request SIGTERM for this process when the launch that started it ends.
 
-    SIGTERM and a crash end ``ros2 launch`` alone. Its nodes would record on, and beside those of
-    the next launch two of each would listen to one sensor.
+    SIGTERM or a crash ends ``ros2 launch`` without its nodes. These would continue to record, and
+    after the next launch each sensor would have two of each node.
     """
     parent = os.environ.get(PARENT, '')
     if sys.platform != 'linux' or parent != str(os.getppid()):
         return
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if parent != str(os.getppid()):
-        # It ended before the kernel was asked.
+        # The parent ended before this request.
         os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _prepare(node: ManagedNode, executor: Executor) -> None:
     """
-    Let a node prepare itself in a thread, and answer services until it is done.
+    Prepare a node in a thread, and answer services until that is done.
 
-    If that takes long the log and /diagnostics say why.
+    If it takes long, the log and /diagnostics report why.
     """
     started = time.monotonic()
     thread = threading.Thread(target=node.prepare, name=THREAD, daemon=True)
@@ -124,7 +124,7 @@ def _prepare(node: ManagedNode, executor: Executor) -> None:
 
 
 def _what_takes_long() -> str:
-    # Numba takes a second to load, which nodes without a kernel do without.
+    # Imported here, because Numba takes a second to load and not all nodes need it.
     from bearing_twin.numerics.compiled import has_compiled, other_processors, processor
 
     others = ', '.join(other_processors())
@@ -134,7 +134,7 @@ def _what_takes_long() -> str:
 
 
 def _is_compiling() -> bool:
-    """Whether a preparation is under way: the compiler cannot be told to stop."""
+    """Return whether a preparation is running; the compiler cannot be interrupted."""
     return any(thread.name == THREAD for thread in threading.enumerate())
 
 
@@ -147,7 +147,7 @@ def _work(node: ManagedNode) -> None:
         executor.spin()
     except Exception:
         if not node.context.ok():
-            # INT and TERM end the context at once, under the hands of a callback that publishes.
+            # A signal shuts down the context at once, even during a callback that publishes.
             raise ExternalShutdownException from None
         raise
 
@@ -159,14 +159,14 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         _init(args)
         try:
             if interrupts:
-                # Before rclpy listened.
+                # The interrupt came before rclpy installed its handler.
                 raise ExternalShutdownException
             node = _build(node_class)
             _work(node)
         finally:
             if node is not None:
                 node.shut_down()
-            # A signal may end the context at the same time, in a thread of rclpy's own.
+            # A signal may shut down the context at the same time, in a thread of rclpy.
             with contextlib.suppress(RCLError):
                 rclpy.try_shutdown()
     except ExternalShutdownException:
@@ -175,8 +175,8 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         print(shown(f'{_program(node_class)}: {error}', keep='\n'), file=sys.stderr)
         return REFUSED if node is None or node.refused else 1
     except RCLError as error:
-        # Fast DDS 3.2 sends nothing at such a time and stands still for good: only a new process
-        # can work on.
+        # With such a system time Fast DDS 3.2 sends nothing and never recovers: the process must
+        # be restarted.
         print(
             f'{_program(node_class)}: nothing can be sent ({error}); is the system clock beyond '
             '2038?',
@@ -184,15 +184,15 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         )
         return 1
     finally:
-        # Nothing is left to be interrupted but the way out.
+        # Only the end of the process remains: do not interrupt it.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     return 1 if node.failed else 0
 
 
 def _init(args: Sequence[str] | None) -> None:
-    """Initialise rclpy; a parameter file or a domain that cannot be read is no defect of ours."""
+    """Initialise rclpy; raise BearingTwinError for an invalid parameter file or domain."""
     try:
-        # Not as a context manager, which it is since Kilted only.
+        # Not as a context manager, which rclpy supports only since Kilted.
         rclpy.init(args=list(args) if args is not None else None)
     except (RuntimeError, UnicodeError) as error:
         # RCLError is a RuntimeError.
@@ -201,15 +201,15 @@ def _init(args: Sequence[str] | None) -> None:
 
 def _note_interrupts() -> list[int]:
     """
-    Let INT do what TERM does: rclpy ends the context, and everything looks at that.
+    Make SIGINT act like SIGTERM: rclpy shuts down the context, which the node checks.
 
-    Python would also raise KeyboardInterrupt between any two steps of any callback: in the middle
-    of a record that is being written, or of the work of ending that an earlier interrupt began.
+    Otherwise Python would raise KeyboardInterrupt between any two steps of a callback, such as in
+    the middle of writing a record, or while the node already ends after an earlier interrupt.
 
     Returns
     -------
     list
-        Filled with the signals that come.
+        Received signals; filled later by the signal handler.
 
     """
     came: list[int] = []
@@ -219,9 +219,9 @@ def _note_interrupts() -> list[int]:
 
 def _build(node_class: type[ManagedNode]) -> ManagedNode:
     """
-    Build a node in a thread, and leave it there if the process is told to end.
+    Build a node in a thread, and abandon the thread if a signal ends the process.
 
-    A check of the parameters may compile, for as long as launch waits before it kills.
+    The check of parameters may compile, which may take longer than launch waits before SIGKILL.
     """
     future: Future[ManagedNode] = Future()
 
@@ -252,7 +252,7 @@ def _program(node_class: type[ManagedNode]) -> str:
 
 
 def _stray(words: Sequence[str]) -> str:
-    """Return the first word that is not between ``--ros-args`` and ``--``; '' if there is none."""
+    """Return the first argument outside ``--ros-args`` ... ``--``; '' if there is none."""
     inside = False
     for word in words:
         if word == '--ros-args':

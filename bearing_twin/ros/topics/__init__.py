@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics of the nodes: their quality of service, what is taken of them, and any type as bytes."""
+"""Topics of the nodes: quality of service, validation of messages, topics of any type."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Quality of service of every topic, in one place; each can be overridden by parameters."""
+"""Quality of service of all topics; users can override each one by parameters."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 HELD = 2.0
-"""Time whose blocks a publisher holds for those who have missed one, s."""
+"""Duration of the blocks that a publisher keeps for subscribers that missed one, s."""
 
 
 def profile(depth: int, *, reliable: bool = True, latched: bool = False) -> QoSProfile:
-    """Return a profile that keeps the last messages; ``latched`` ones also for late listeners."""
+    """Return a profile that keeps the last messages; if ``latched``, for late subscribers too."""
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=depth,
@@ -25,29 +25,29 @@ def profile(depth: int, *, reliable: bool = True, latched: bool = False) -> QoSP
 
 
 def stream(period: float) -> QoSProfile:
-    """Return the profile of vibration, and of what comes with each block of ``period`` s."""
+    """Return the profile of topics with one message per block; a block lasts ``period`` s."""
     return profile(max(10, math.ceil(HELD / period)))
 
 
 STREAM = stream(0.04)
-"""The same for blocks of 40 ms, and for those who listen."""
+"""Profile of blocks of 40 ms, also used by subscriptions."""
 
 MEASUREMENT = profile(10, reliable=False)
-"""Subscriptions to sensors: best effort matches reliable and best-effort publishers alike."""
+"""Subscriptions to sensors: best effort matches both reliable and best-effort publishers."""
 
 SENSOR = profile(1000, reliable=False)
-"""Subscription of the adapter: as above, deep enough for one sample a message."""
+"""Subscription of the adapter: best effort, deep enough for one sample per message."""
 
 RESULT = profile(10)
 """Diagnosis, spectra, diagnostics."""
 
 CHECKPOINT = profile(1, latched=True)
-"""Checkpoints: a recorder that starts late still gets the last one."""
+"""Checkpoints: a recorder that starts late still receives the last one."""
 
 OVERRIDES = QoSOverridingOptions.with_default_policies()
-"""Lets users set history, depth and reliability as ``qos_overrides.TOPIC.publisher.depth``."""
+"""Users can set history, depth and reliability as ``qos_overrides.TOPIC.publisher.depth``."""
 
 
 def own(profile: QoSProfile) -> QoSProfile:
-    """Return a copy for one topic: rclpy writes overrides into the profile it is given."""
+    """Return a copy for one topic, because rclpy writes overrides into the given profile."""
     return copy.copy(profile)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics of any type as bytes: message classes by name, and QoS to and from recordings."""
+"""Topics of any type as bytes: message classes by name, and QoS profiles for recordings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 SUBSCRIPTION_DEPTH = 500
-"""Messages kept for a recorder that is held up by its disk: 20 s of blocks of 40 ms."""
+"""Messages queued while a slow disk delays the recorder: 20 s of blocks of 40 ms."""
 DEEPEST = 10_000
 
 
@@ -43,8 +43,8 @@ def published_type(publishers: Sequence[TopicEndpointInfo]) -> str:
     Raises
     ------
     BearingTwinError
-        If there are several types, or a publisher was built with another definition than the
-        installed one, so that its bytes would be misread.
+        If there are several types, or if the definition of a publisher differs from the installed
+        one, so that its bytes would be misread.
 
     """
     types = sorted({info.topic_type for info in publishers})
@@ -53,7 +53,7 @@ def published_type(publishers: Sequence[TopicEndpointInfo]) -> str:
         raise BearingTwinError(msg)
     type_name = types[0]
     ours = message_schema(type_name).type_hash
-    # A publisher of a release before Iron tells none.
+    # Publishers of releases before Iron do not send a type hash.
     theirs = {str(info.topic_type_hash) for info in publishers} - {'INVALID'}
     if theirs - {ours}:
         msg = (
@@ -75,7 +75,7 @@ def subscription_qos(publishers: Sequence[TopicEndpointInfo]) -> QoSProfile:
 
 
 def offered_qos_yaml(publishers: Sequence[TopicEndpointInfo]) -> str:
-    """Return what the publishers offer, as recordings carry it."""
+    """Return the offered profiles of the publishers as text for a recording."""
     return qos_yaml(
         [
             qos_profile(
@@ -90,9 +90,9 @@ def offered_qos_yaml(publishers: Sequence[TopicEndpointInfo]) -> str:
 
 
 def replay_qos(text: str) -> QoSProfile:
-    """Return a profile that suits those who listened to what was recorded."""
+    """Return a profile to publish with that matches the subscribers of the recorded topic."""
     profiles = read_qos(text)
-    # Metadata before version 9 gives numbers: 1 is reliable, and 1 is transient local.
+    # Metadata before version 9 uses numbers: 2 is best effort, and 1 is transient local.
     best_effort = any(p.get('reliability') in ('best_effort', 2) for p in profiles)
     latched = bool(profiles) and all(
         p.get('durability') in ('transient_local', 1) for p in profiles

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Subscriptions to topics of any type, made as the topics come up; messages as bytes."""
+"""Subscribe to topics of any type when they appear; messages are passed on as bytes."""
 
 from __future__ import annotations
 
@@ -32,28 +32,28 @@ if TYPE_CHECKING:
 
 
 MOST_SILENT = 500
-"""Most topics that stay subscribed to, or told as left out, while nobody publishes them."""
+"""Most topics without a publisher that stay subscribed, or reported as left out."""
 POLL_PERIOD = 0.02
-"""Longest that a message waits, s: 25 000 messages a second of one topic are taken in time."""
+"""Longest time that a message waits, s: enough for 25 000 messages per second on one topic."""
 
 
 class TopicChoice:
     """
-    Which topics are subscribed to.
+    The set of topics to subscribe to.
 
     Parameters
     ----------
     values
         Parameters ``regex``, ``exclude`` and ``include_hidden`` of the node.
     resolved
-        Names of the parameter ``topics``, resolved.
+        Resolved names of the parameter ``topics``.
     namespace
-        Namespace of the node, which ``{namespace}`` stands for in ``regex`` and ``exclude``.
+        Namespace of the node; it replaces ``{namespace}`` in ``regex`` and ``exclude``.
 
     Raises
     ------
     BearingTwinError
-        If a regular expression cannot be read.
+        If a regular expression is invalid.
 
     """
 
@@ -68,7 +68,7 @@ class TopicChoice:
         self._hidden = bool(values['include_hidden'])
 
     def __contains__(self, topic: str) -> bool:
-        """Whether ``topic`` is chosen."""
+        """Return whether ``topic`` is chosen."""
         if topic in self._named:
             return True
         if self._exclude is not None and self._exclude.fullmatch(topic):
@@ -81,13 +81,13 @@ class TopicChoice:
 
 
 class RawSubscriptions:
-    """Subscribe to chosen topics in the type and QoS in which they are published."""
+    """Subscriptions to the chosen topics, with the type and QoS of their publishers."""
 
     def __init__(self, node: Node, choice: TopicChoice, on_message: OnMessage) -> None:
         self.lost = 0
-        """Messages lost on the way."""
+        """Messages that the middleware reported as lost."""
         self.left_out: dict[str, str] = {}
-        """Why a topic, or a type of it, is not subscribed to."""
+        """Why a topic, or one of its types, is not subscribed to, by topic."""
         self._refused: dict[str, set[tuple[str, str]]] = {}
         self._node = node
         self._choice = choice
@@ -95,9 +95,9 @@ class RawSubscriptions:
         self._types: dict[str, str] = {}
         self._subscriptions: dict[str, Subscription[Any]] = {}
         self._expected: set[str] = set()
-        # Known topics that nobody publishes; the one that fell silent first is the first.
+        # Known topics without a publisher, in the order in which they lost it.
         self._silent: dict[str, None] = {}
-        # Simulated time goes on between two polls, and is all that dates a message.
+        # In simulated time do not poll: messages are dated by /clock when they are taken.
         simulated = node.get_parameter('use_sim_time').value
         self._group = None if simulated else PolledGroup(POLL_PERIOD)
 
@@ -106,7 +106,7 @@ class RawSubscriptions:
         return len(self._subscriptions)
 
     def expect(self, topics: Mapping[str, tuple[str, QoSProfile]]) -> None:
-        """Subscribe, before anybody publishes them, to chosen ones of these types and QoS."""
+        """Subscribe to the chosen ones of these topics before they have a publisher."""
         for name, (type_name, qos) in topics.items():
             topic = self._node.resolve_topic_name(name)
             if topic in self._choice:
@@ -117,11 +117,11 @@ class RawSubscriptions:
 
     def discover(self) -> None:
         """
-        Subscribe to new topics; anew where type or QoS of a topic has changed.
+        Subscribe to new topics, and again to topics whose type or QoS has changed.
 
-        A topic goes on in the type that it has, whatever else is published on it for a while. It
-        stays subscribed to when its publishers are gone, so that nothing is missed when one comes
-        back, until ``MOST_SILENT`` others have fallen silent after it.
+        A subscription keeps its type while that type is published, even beside others. It also
+        stays when all publishers are gone, so that no message is missed when one returns. It ends
+        when ``MOST_SILENT`` other topics have lost their publishers after it.
         """
         published = set()
         for topic, _ in self._node.get_topic_names_and_types():
@@ -134,7 +134,7 @@ class RawSubscriptions:
             if not publishers or kinds == self._refused.get(topic):
                 continue
             if (renamed := self._node.resolve_topic_name(topic)) != topic:
-                # A subscription to it would be one to the other topic.
+                # A subscription would be made to the remapped topic instead.
                 self._leave_out(topic, f'a remap rule of this node makes {renamed} of it')
                 continue
             known = self._subscriptions.get(topic)
@@ -168,7 +168,7 @@ class RawSubscriptions:
                 about.pop(topic, None)
 
     def _leave_out(self, topic: str, why: str) -> None:
-        """Note and log why a topic, or a type of it, is not recorded; '' if all of it is."""
+        """Note and log why a topic, or one of its types, is not recorded; '' if all are."""
         if why == self.left_out.get(topic, ''):
             return
         if why:
@@ -202,18 +202,18 @@ class RawSubscriptions:
         )
 
     def _unsubscribe(self, *topics: str) -> None:
-        """Take what the middleware holds, which its publishers count as received; unsubscribe."""
+        """Take the queued messages, which publishers consider received; then unsubscribe."""
         former = {t: self._subscriptions.pop(t) for t in topics if t in self._subscriptions}
         waiting: list[tuple[str, bytes, MessageInfo]] = []
         for topic, subscription in former.items():
             with subscription.handle:
-                # No more than can have waited: some publisher may go on without a pause.
+                # At most as many as the queue holds, as a publisher may send without a pause.
                 for _ in range(SUBSCRIPTION_DEPTH):
                     taken = subscription.handle.take_message(subscription.msg_type, True)
                     if taken is None:
                         break
                     waiting.append((topic, *taken))
-        # In the order in which it came, since simulated time may be the same for all of it.
+        # In order of reception, because simulated time may be the same for all of them.
         for topic, cdr, info in sorted(waiting, key=lambda m: m[2]['received_timestamp'] or 0):
             self._on_message(topic, self._types[topic], cdr, info)
         for subscription in former.values():
@@ -224,7 +224,7 @@ class RawSubscriptions:
 
 
 def _misses(subscribed: QoSProfile, offered: QoSProfile) -> bool:
-    """Whether a subscription with one profile gets nothing of what is offered with another."""
+    """Return whether a subscription receives nothing from publishers with the offered profile."""
     return qos_check_compatible(offered, subscribed)[0] == QoSCompatibility.ERROR
 
 

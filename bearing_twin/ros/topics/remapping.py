@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Other names for the topics of a recording."""
+"""Remap topics of a recording for replay."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 def remapping(rules: list[str]) -> dict[str, str]:
     """
-    Read rules ``recorded:=new``.
+    Return the new name by recorded name, from rules ``recorded:=new``.
 
     Raises
     ------
     BearingTwinError
-        If one does not read so, or the new name is no topic name.
+        If a rule has another form, or a new name is not a valid topic name.
 
     """
     names = {}
@@ -43,13 +43,13 @@ def remapping(rules: list[str]) -> dict[str, str]:
 
 def check_remapping(names: Mapping[str, str], types: Mapping[str, str]) -> None:
     """
-    Refuse rules that do not fit the recording.
+    Refuse rules that do not match the recording; ``types`` holds the types of replayed topics.
 
     Raises
     ------
     BearingTwinError
-        If a rule names a topic that is not replayed, or two topics of different types would share
-        a name.
+        If a rule names a topic that is not replayed, or two topics of different types would have
+        the same name.
 
     """
     unknown = sorted(names.keys() - types.keys())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Validates incoming messages: malformed ones are rejected and logged."""
+"""Subscribe with validation: malformed messages are rejected and logged."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 
 HEADER = 4
-"""Bytes before the message: its encoding, and how many bytes of padding end it."""
+"""Bytes of the CDR header: encoding of the message, and number of padding bytes at its end."""
 LARGEST = 16 * 1024 * 1024
-"""Most bytes of a message: twice the longest block of both axes."""
+"""Largest message, bytes: twice the longest block of both axes."""
 
 
 def receiver_clock(node: Node) -> Callable[[], float]:
-    """Return the clock by which inputs of a node age, s: simulated time where it follows that."""
-    # It does not change while a node is configured.
+    """Return the clock for the age of inputs, s: simulated time if the node uses it."""
+    # use_sim_time does not change while a node is configured.
     if not node.get_parameter('use_sim_time').value:
         return time.monotonic
     clock = node.get_clock()
@@ -40,16 +40,16 @@ def receiver_clock(node: Node) -> Callable[[], float]:
 
 def read_message(cdr: bytes, kind: type) -> Any:
     """
-    Return the ROS message of class ``kind`` in ``cdr``, as it came off the wire.
+    Return the ROS message of class ``kind`` in ``cdr``, the received bytes.
 
-    Fast CDR (2.3.3) takes the padding off the length without a look whether there is as much, and
-    reads on behind the end of the memory: four bytes from anybody end the process. So this is
-    looked at here.
+    Fast CDR (2.3.3) subtracts the padding from the length without a check, and then reads beyond
+    the end of the memory. So four bytes from any sender could end the process; this is checked
+    here.
 
     Raises
     ------
     BearingTwinError
-        If the bytes are no such message, or more than one may have.
+        If the bytes are not such a message, or are too many.
 
     """
     if len(cdr) > LARGEST:
@@ -64,7 +64,7 @@ def read_message(cdr: bytes, kind: type) -> Any:
     try:
         return deserialize_message(cdr, kind)
     except Exception as error:
-        # The bytes come from outside; rclpy says RMWError or UnicodeDecodeError.
+        # The bytes come from outside; rclpy raises RMWError or UnicodeDecodeError.
         msg = f'{len(cdr)} bytes are no {kind.__name__} ({type(error).__name__}): refused'
         raise BearingTwinError(msg) from None
 
@@ -82,7 +82,7 @@ def subscribe(
     """
     Subscribe to a topic; its QoS can be overridden by parameters.
 
-    A message that is refused is told to ``refused``, or to the log.
+    ``refused`` is called with the reason if a message is rejected; by default it is logged.
     """
     return node.create_subscription(
         kind,
@@ -96,7 +96,7 @@ def subscribe(
 
 
 def unheard(node: Node, subscription: Subscription[Any], text: str) -> str:
-    """Return ``text`` with the reasons why publishers of a topic are not heard, if there are."""
+    """Return ``text``, with the reasons why messages of existing publishers cannot arrive."""
     kind = subscription.msg_type
     name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
     reasons = []
@@ -121,7 +121,7 @@ def validated(
     callback: Callable[[Any, MessageInfo], None],
     refused: Callable[[str], None] | None = None,
 ) -> Callable[[bytes, MessageInfo], None]:
-    """Return a callback for the bytes of messages; ``callback`` gets the valid ones."""
+    """Return a callback for serialised messages; it passes valid ones to ``callback``."""
 
     def log(reason: str) -> None:
         node.get_logger().warning(f'{topic}: {reason}', throttle_duration_sec=10.0)
@@ -140,7 +140,7 @@ def validated(
 
 
 def _check_time(message: Clock) -> None:
-    """Raise BearingTwinError for a time that no stamp carries: rclpy would end the node."""
+    """Raise BearingTwinError for a time outside the range of a stamp: rclpy would end the node."""
     if not 0 <= stamp_ns(message.clock) <= LATEST:
         msg = (
             f'time {message.clock.sec} s + {message.clock.nanosec} ns is outside '
