@@ -108,7 +108,7 @@ class Job(futures.Future[T]):
         self._disk = disk
 
     def do(self, work: Callable[[], T]) -> None:
-        """Run ``work``; an exception that it raises is raised again where the job is awaited."""
+        """Run ``work``; its exception, if any, is raised again in :meth:`wait`."""
         try:
             self.set_result(work())
         except Exception as error:

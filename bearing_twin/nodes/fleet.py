@@ -109,7 +109,7 @@ class FleetNode(ManagedNode):
         ]
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that contradict each other."""
+        """Refuse a warning threshold above its error threshold."""
         realtime.check_thresholds(values)
 
     def prepare(self) -> None:

@@ -64,7 +64,7 @@ class RecorderNode(ManagedNode):
         super().__init__('recorder', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that contradict each other."""
+        """Refuse invalid regular expressions."""
         TopicChoice(values, set())
 
     def setup(self) -> None:

@@ -72,7 +72,7 @@ class ReplayNode(ManagedNode):
         super().__init__('replay', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse invalid topic names in ``remap``."""
+        """Refuse invalid rules in ``remap``."""
         remapping(values['remap'])
 
     def setup(self) -> None:

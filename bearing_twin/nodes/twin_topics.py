@@ -109,12 +109,12 @@ class TwinTopics:
         return temperature_status(self._twin.temperature, *self._twin.problems())
 
     def validity(self) -> Status:
-        """Return the status of exceeded limits of model and bearing life, for /diagnostics."""
+        """Return the status of violated limits of model and bearing life, for /diagnostics."""
         return validity_status(self._condition)
 
 
 def validity_status(condition: Condition | None) -> Status:
-    """Return the status of the limits that a twin exceeds; ``condition`` is None at first."""
+    """Return the status of violated limits; ``condition`` is None before the first block."""
     passed, warnings, text = 0, '', 'no block yet'
     numbers = (math.nan,) * 4
     if condition is not None:

@@ -79,7 +79,7 @@ class OfflineReport:
     problems: list[str] = field(default_factory=list)
     """Errors of files of the source that were skipped because they are broken."""
     warnings: list[str] = field(default_factory=list)
-    """Times at which the twin first exceeded a limit of its model or of the bearing life."""
+    """For each violated limit of model or bearing life, a sentence with the time it began."""
     stopped: bool = False
     """Whether the run was stopped before the end."""
 
@@ -372,7 +372,7 @@ class _DiagnosisSide:
         ]
 
     def _new_warnings(self, condition: Condition, due: Due) -> list[str]:
-        """Return a sentence for each limit that is exceeded for the first time."""
+        """Return a sentence for each limit that is violated for the first time."""
         if condition.limits_passed in self._passed:
             return []
         passed = (limit for limit in Limit if limit in condition.limits_passed)

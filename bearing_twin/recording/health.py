@@ -34,7 +34,7 @@ class TopicHealth:
 
     count: int = 0
     backwards: int = 0
-    """Messages whose log time is earlier than that of the message before."""
+    """Messages with an earlier log time than the message before."""
     longest_gap: float = 0.0
     """Longest time without a message, s."""
     blocks: int = 0

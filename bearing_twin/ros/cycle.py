@@ -45,7 +45,7 @@ class BlockCycle:
     node
         The node.
     parameters : ParameterSet
-        Its parameters, with those of :mod:`bearing_twin.ros.realtime`.
+        Parameters of the node, including those for real time.
     publish
         Function that computes and publishes a block.
     slots

@@ -383,7 +383,7 @@ class _Search:
             return None
 
     def _attachment_length(self, raw: RawRecord) -> int:
-        """Return the length by those of name, media type and data; -1 if it is too large."""
+        """Return the length by the lengths of name, media type and data; -1 if too large."""
         at = 16
         for size in ('<I', '<I', '<Q'):
             head = read_at(self.file, raw.begin + at, struct.calcsize(size))

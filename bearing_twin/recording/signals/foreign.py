@@ -170,7 +170,7 @@ def channels(path: Path) -> list[str]:
 
 
 def _named(names: Iterable[str], said: str, path: Path) -> str:
-    """Return the name that equals ``said``, equals it in any case, begins with or contains it."""
+    """Return the name that equals ``said`` (in any case), or else begins with or contains it."""
     known = list(names)
     folded = said.casefold()
     for fits in (
