@@ -119,7 +119,7 @@ class Excerpt:
     temperature: float = math.nan
     unit: str = ''
     sensor: str = ''
-    """Frame and axis, and ' simulated' where a twin makes the samples."""
+    """Frame and axis, with ' simulated' if a twin makes the samples."""
     notes: tuple[str, ...] = ()
     """Events of the stream since the previous excerpt."""
     run: int = 0
@@ -323,10 +323,10 @@ class Analysis:
         """
         Return whether a comb at another shaft speed, Hz, is worth a diagnosis at that speed.
 
-        At up to four times the given speed the spectra hold at least the first of the four lines
-        of a comb. So they show at least half of its index, and a score that grows with the root of
-        the number of lines. The comb must come within 3 dB of the score ``clearest``: that of the
-        clearest comb of an alarm at the given speed, or 0.
+        ``clearest`` is the score of the clearest comb of an alarm at the given speed, or 0. At up
+        to four times the given speed the spectra hold at least the first of the four lines of a
+        comb. So they show at least half of its index, and a score that grows with the root of the
+        number of lines. There the comb must come within 3 dB of ``clearest``.
         """
         if self.window is None:
             return False

@@ -58,7 +58,7 @@ def report(
     shaft_hz = window.speed.shaft_hz
     expected = fault_frequencies(bearing, shaft_hz)
     strongest = verdict.strongest
-    # Without a fault the envelope spectrum shown is that of the whole band.
+    # Without a fault the envelope spectrum of the whole band is shown.
     band = strongest.band if strongest else 0
     values, floor = window.envelopes.power[band], window.envelopes.floor(band)
     line_hz = line_level = np.zeros(0, dtype=np.float32)

@@ -322,7 +322,7 @@ class StreamingDiagnoser:
             self.other_source = f'baseline and trend are of {self._trend.source}, this is {source}'
         earlier: list[OrderSpectra] = []
         if analysis.window is not None:
-            # Another speed may have other bands.
+            # Windows at another speed may have other bands.
             bands = analysis.window.orders.carrier.shape
             earlier = [w for w in self._before(excerpt, wanted) if w.carrier.shape == bands]
             if full and settings.averages:

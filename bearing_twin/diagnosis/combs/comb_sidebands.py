@@ -122,7 +122,7 @@ class CombSidebands:
         return self._beside_race(candidate, *self._expected.cage())
 
     def another_cage_order(self, candidate: Candidate) -> float:
-        """Return the same for the cage of any bearing of the catalogue; 0 without any."""
+        """Return `cage_sideband_order` for the cages of all bearings of the catalogue."""
         return self._beside_race(candidate, *_CAGES)
 
     def _beside_race(self, candidate: Candidate, low: float, high: float) -> float:

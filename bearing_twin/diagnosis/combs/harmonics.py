@@ -31,8 +31,8 @@ _CHANCE = 4.0
 """Standard deviations that noise between the harmonics of some fifty combs does not reach."""
 
 _SHARE = 0.5
-"""Threshold of the height of unexplained lines between the harmonics, relative to the harmonics:
-it is 0 for a comb of its own and 1 for a part of a denser series."""
+"""Threshold of the height of unexplained lines between the harmonics, over the height of the
+harmonics: this ratio is 0 for an independent comb and 1 for a part of a denser series."""
 
 _ALIKE = 0.69
 """Difference of mean log score up to which the lines between the harmonics are as high as the
@@ -44,7 +44,7 @@ MISSING = 0.25
 at a multiple of an order are below it, faults are not (studies.half_pulses)."""
 
 _APART = 2.0
-"""Difference of two sideband spacings, in standard deviations of the mean height of lines."""
+"""Least difference between sideband heights at two spacings, standard deviations."""
 
 _SLOWEST = 0.12
 """Lowest fundamental order of a denser series."""

@@ -55,7 +55,7 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 REFIT = 1.1
 """Growth of the record after which a law is fitted anew."""
 SAME_OCTAVES = math.log2(1.05)
-"""Levels at speeds within 5 % are compared as they are: 0.7 dB at 10 dB per doubling."""
+"""Speeds within 5 % are compared without correction: 0.7 dB at 10 dB per doubling."""
 Z90 = 1.645
 """Standard deviations of a 90 % interval."""
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _SAME_RATE = 0.05
 _DOUBTFUL = 0.1
-"""Share of suspect and faulty windows above which a reason says so of the baseline."""
+"""Suspect and faulty windows, over those of the baseline, above which a reason mentions them."""
 _NOT_YET = (
     'no baseline: {wanted} settled healthy windows wanted; {count} healthy, {doubtful} doubtful'
 )
@@ -58,7 +58,7 @@ class Source:
     """Frame and axis."""
     bearing: str = ''
     unit: str = ''
-    """Of the samples."""
+    """Unit of the samples."""
     sample_rate: float = 0.0
     """Hz. A rate estimated from stamps differs a little between starts."""
 

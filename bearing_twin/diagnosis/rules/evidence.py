@@ -10,7 +10,7 @@ combs beside it. A rule about weak combs uses `heard` or `faint`.
 `candidates`        best comb of each place, however weak
 `significant`       combs that are not chance, not too weak to report, and not of healthy parts
 `own`               those of `significant` that neither shaft nor extraneous series explain
-`claims.kept`       of `significant`, one for each range of orders that two places share
+`claims.kept`       those of `significant`, with one comb for orders that two places share
 `load_zone.kept`    races and balls of these that are no shaft sidebands of the inner race
 `remaining`         the same; `significant` if `own` is empty
 `nameable`          those of `remaining` that are in `own`

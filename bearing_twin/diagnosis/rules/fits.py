@@ -44,9 +44,9 @@ def striking_parts(order: float, step: float) -> list[tuple[Bearing, str]]:
     Parameters
     ----------
     order
-        Of the impacts, multiples of the shaft speed.
+        Order of the impacts, multiples of the shaft speed.
     step
-        Its uncertainty.
+        Uncertainty of the order.
 
     >>> parts = striking_parts(5.401, 0.01)
     >>> {bearing.name: place for bearing, place in parts}['6205']
@@ -66,7 +66,7 @@ def fitting_speeds(order: float, shaft_hz: float, bearing: Bearing) -> list[str]
     Parameters
     ----------
     order
-        Of the impacts, multiples of ``shaft_hz``.
+        Order of the impacts, multiples of ``shaft_hz``.
     shaft_hz
         Speed that was used, Hz.
     bearing

@@ -44,7 +44,7 @@ RULES: tuple[Rule, ...] = (
     cage.few_cage_turns,
     cage.cage_impacts,
     cage.weak_cage,
-    # The strongest comb may be a sideband, so that it does not remain.
+    # The strongest comb may have been removed as a sideband.
     places.load_zone_modulated,
     *where_no_comb_remains(
         elsewhere.masked_candidate,

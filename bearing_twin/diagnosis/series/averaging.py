@@ -54,7 +54,7 @@ _FLOORS, _LEAST_FLOOR = 64, 16
 SLIP = 0.03
 """Largest slip of a race or ball that is searched."""
 Z_PLACE, RIVAL = 5.0, 1.4
-"""Significance from which a place is named, and least ratio to that of the next place."""
+"""Significance from which a place is named, and least ratio to the next place's."""
 LEAST = 20
 """Least number of snapshots in an average that names a place."""
 
@@ -277,7 +277,7 @@ class AveragedEnvelope:
             return None
         lines = _lines(comb.order)
         rise = np.maximum(self.power / self.count - self._floor(), 0.0)[:, lines].sum(axis=1)
-        # A line is as wide as a bin, or as one turn over the turns of a snapshot.
+        # The width of a line is a bin, or 1 order over the turns of a snapshot.
         rise *= max(1.0, STEP * self.turns / self.count)
         lowest = np.array([low for low, _ in BANDS])
         if comb.place == 'outer':

@@ -230,7 +230,7 @@ class SeriesDiagnoser:
             'last': self._last,
             'next': self._next,
         }
-        # Most orders of most bands are zero, and points repeat their words.
+        # Compressed: most orders of most bands are zero, and points repeat their texts.
         return zlib.compress(pack(_VERSION, {'series': values, **own}, arrays), 1)
 
     def load(self, data: bytes) -> None:

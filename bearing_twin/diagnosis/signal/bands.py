@@ -127,7 +127,7 @@ def _tile(tree: BandTree) -> int:
 
 
 def _tiles_suit(tree: BandTree, lags: int) -> bool:
-    """Whether all bands are made of tiles, and lags reach few."""
+    """Return whether all bands consist of tiles, and the lags reach few tiles."""
     bins, tile = tree.levels[0][0], _tile(tree)
     return (
         tile > 0

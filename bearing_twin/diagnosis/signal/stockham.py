@@ -366,7 +366,7 @@ def _primes(
     done: int,
     out: NDArray[np.float32],
 ) -> None:
-    """Do the same in half the time, because the compiler knows a constant radix."""
+    """Do one pass as :func:`_butterflies`, in half the time for radices known when compiling."""
     if radix == 2:
         _butterflies(rows, turns, 2, left, done, out)
     elif radix == 3:
