@@ -38,7 +38,7 @@ _PART_TURNS = 2.0 * SHAFT_TURNS
 """Least shaft turns of a part of a record: twice those that a diagnosis needs."""
 
 _NEAR = 10
-"""Width of the floor that smeared lines raise, in every other bin: sharp lines have three."""
+"""Width of the floor that smeared lines raise, counted in every other bin: sharp ones have 3."""
 
 _ABOVE_TURN = 1.5
 """Lowest order at which smeared lines are looked for."""

@@ -37,7 +37,7 @@ INDEX_SUSPECT = 0.3
 """Modulation index from which a significant comb is reported."""
 
 INDEX_NOISE = 0.13
-"""Modulation index that 95 % of windows of noise of 4 s stay below."""
+"""Modulation index below which 95 % of windows of noise of 4 s are."""
 
 INDEX_SOUND = 2.0 * 0.16 / (1.0 + 0.5 * 0.16**2)
 """Modulation index of 1 + 0.16 cos, the largest modulation of the noise of a healthy bearing by

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 
 _SHARP = 1.5
-"""Bins within which the lines of a shaft at a steady speed fall to two thirds of their clarity.
-They do so within 1.1 bins in simulations, and not within 2.5 if the speed drifts by 3 % in 8 s."""
+"""Bins within which the lines of a shaft at a steady speed fall to two thirds of their score. They
+do so within 1.1 bins in simulations, and not within 2.5 if the speed drifts by 3 % in 8 s."""
 
 
 class CombHarmonics:

@@ -60,7 +60,7 @@ class CombSearch:
     def best(
         self, place: str, spectra: OrderSpectra | None = None, slips: tuple[float, float] = SLIP
     ) -> Candidate:
-        """Return the best comb of a place in a range of slip; ``spectra`` replace its own."""
+        """Return the best comb of a place in a range of slip, by default in ``self.spectra``."""
         spectra = spectra or self.spectra
         found, slip, z = self._peak(place, spectra, slips)
         index, band = self._index(spectra, found, place)
@@ -90,7 +90,7 @@ class CombSearch:
         ----------
         beyond
             Whether to search beyond the orders of this bearing as well, as far as three harmonics
-            reach. If a comb is significant, one order beyond it is always searched.
+            reach. If a comb is significant, the search ends one order beyond it in any case.
 
         """
         scores = self._scores

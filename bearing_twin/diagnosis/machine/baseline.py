@@ -135,7 +135,8 @@ class Memory:
     windows: dict[str, list[list[float]]] = field(default_factory=dict)
     """Rows of time, temperature, octaves and levels of the newest window, for each speed."""
     medians: dict[str, list[list[float]]] = field(default_factory=dict)
-    """Lowest and last median of level, dB, and temperature of the whole signal, for each speed."""
+    """Lowest and last median level of the whole signal, dB, with its temperature, for each
+    speed."""
     base: Baseline | None = None
     former: list[Baseline] = field(default_factory=list)
     """Louder baselines that were replaced: of another load, or before the machine ran in."""

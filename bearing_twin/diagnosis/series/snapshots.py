@@ -111,7 +111,7 @@ class SeriesDiagnoser:
         unit: str = '',
         sensor: str = '',
     ) -> list[Excerpt]:
-        """Take a block; return complete snapshots. The arguments are StreamingDiagnoser's."""
+        """Take a block; return complete snapshots. Parameters: see StreamingDiagnoser.take."""
         block = checked_block(x, sample_rate)
         known = {'temperature': temperature, 'unit': unit, 'sensor': sensor}
         found = []

@@ -33,7 +33,7 @@ SECONDS = 1.0
 """Least length of a segment, s, if the window is as long."""
 
 _REACH = 0.5 / DAMPING
-"""Upper edge of the highest bands, in band widths: a resonance there has that half-power width."""
+"""Highest upper edge of a band, in its widths: there a resonance is as wide, at half power."""
 _TREE_DEPTH, _NARROW_HZ = 3, HIGHEST_RINGING_HZ / _REACH
 """Halvings of the range down to the narrowest bands, and their width, Hz, above 25.6 kHz. Faster
 sampling has more halvings to keep it: a wider band has more noise and no more ringing."""
