@@ -19,12 +19,14 @@ from bearing_twin.view.report.appendix import off_default
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.page import report_page
 from bearing_twin.view.report.plots import (
+    _all,
+    _evidence,
+    _history,
     _mark_limits,
+    _other_evidence,
     _panels,
     _patches,
     _waterfall,
-    appended_figures,
-    figures,
 )
 from bearing_twin.view.trends import DIAGNOSIS, LINE, Panel, Trend, zone_limits
 from copies import put
@@ -38,6 +40,11 @@ SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.
 
 def machines_of(path):
     return collect(path)[2]
+
+
+def drawn(machine, *pictures):
+    """Return caption and SVG of some of the pictures of the page, as it draws them."""
+    return _all(machine, 'a', pictures)
 
 
 @pytest.fixture(scope='module')
@@ -235,9 +242,8 @@ def test_a_velocity_that_decides_is_drawn_beside_what_decides(recording, zone, v
     if zone:
         told = {'power_group': 2, 'mounting': 'rigid'}
         machine.source.parameters('/diagnosis', 'diagnosis', told)
-    page, appendix = (dict(made(machine, 'a')) for made in (figures, appended_figures))
-    (deciding,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
-    (other,) = (svg for caption, svg in appendix.items() if caption.startswith('Other'))
+    ((caption, deciding), (beside, other)) = drawn(machine, _evidence, _other_evidence)
+    assert caption.startswith('What decides') and beside.startswith('Other')
     # In place of the level, so that the page stays two sheets.
     assert ('Velocity' in deciding, 'Velocity' in other) == (decides, not decides)
     assert ('Vibration level' in deciding, 'Vibration level' in other) == (not decides, decides)
@@ -266,18 +272,16 @@ def test_the_caption_of_the_history_names_what_it_shows(recording, left_out, cap
     (machine,) = machines_of(recording).values()
     for name in left_out:
         getattr(machine, name).clear()
-    assert caption in dict(figures(machine, 'a'))
+    assert [name for name, _ in drawn(machine, _history)] == [caption]
 
 
 def test_a_day_is_told_in_hours(recording):
     (machine,) = machines_of(recording).values()
     machine.diagnoses = [(3600.0 * k, made) for k, (_, made) in enumerate(machine.diagnoses[:24])]
-    page = dict(figures(machine, 'a'))
-    drawn = ' '.join(svg for caption, svg in page.items() if 'over time' in caption)
-    assert 'time since the start of the recording [h]' in drawn
-    (deciding,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
+    (_, history), (_, deciding) = drawn(machine, _history, _evidence)
+    assert 'time since the start of the recording [h]' in history
     assert 'time [h]' in deciding
-    assert '000</text>' not in drawn + deciding
+    assert '000</text>' not in history + deciding
 
 
 def test_limits_too_close_for_letters_share_a_mark():
@@ -298,16 +302,15 @@ def test_a_level_over_baseline_has_its_limits_and_takes_no_third_sheet(recording
             (time, replace(message, level_over_baseline=level))
             for time, message in machine.diagnoses
         ]
-        page = dict(figures(machine, 'a'))
-        (drawn,) = (svg for caption, svg in page.items() if caption.startswith('What decides'))
-        heights.append(re.search(r'height="([\d.]+)pt"', drawn)[1])
+        [(_, deciding)] = drawn(machine, _evidence)
+        heights.append(re.search(r'height="([\d.]+)pt"', deciding)[1])
     assert heights[0] == heights[1]
-    marks = re.findall(r'fill: #616161"[^>]*>([^<]*)</text>', drawn)
+    marks = re.findall(r'fill: #616161"[^>]*>([^<]*)</text>', deciding)
     assert ', '.join(marks) == '5.5, 0.6, 6, 12'
     # The level is in the appendix, and a line beside the first has the name of its colour.
-    assert 'Vibration level' not in drawn and 'correction red' in drawn
-    other = dict(appended_figures(machine, 'a'))
-    assert any('Vibration level' in svg for caption, svg in other.items() if 'Other' in caption)
+    assert 'Vibration level' not in deciding and 'correction red' in deciding
+    [(_, other)] = drawn(machine, _other_evidence)
+    assert 'Vibration level' in other
 
 
 def test_only_parameters_off_their_defaults_are_listed():
