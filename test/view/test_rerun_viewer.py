@@ -20,6 +20,7 @@ import time
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import split_ns
@@ -88,6 +89,17 @@ COLOURED, WRITTEN = 30, 300
 def recordings(scheduled):
     """Return a healthy recording and one with a defect."""
     return [scheduled(defect=defect) for defect in ('none', 'outer')]
+
+
+@pytest.fixture(scope='module')
+def short(tmp_path_factory):
+    """Return a recording of three seconds, for what is seen of any."""
+    from bearing_twin.offline.run import run_offline
+
+    source = tmp_path_factory.mktemp('short') / 'inputs.mcap'
+    write_temperature_recording(source, *paper_schedule(3.0), source='test')
+    run_offline(source, source.with_name('short'), twin={'defect': 'outer'})
+    return source.with_name('short')
 
 
 @pytest.fixture(scope='module', autouse=True)
@@ -430,29 +442,29 @@ def test_a_frozen_viewer_holds_nothing_up(recordings, tmp_path):
     assert rows - 1 == calls * size
 
 
-def test_the_command_writes_a_picture_and_leaves_nothing_else(recordings, tmp_path, monkeypatch):
+def test_the_command_writes_a_picture_and_leaves_nothing_else(short, tmp_path, monkeypatch):
     target, temporary = tmp_path / 'shot.png', tmp_path / 'temporary'
     temporary.mkdir()
     monkeypatch.setenv('TMPDIR', str(temporary))
     monkeypatch.setattr(tempfile, 'tempdir', str(temporary))
-    arguments = ['view', str(recordings[1]), '--screenshot', str(target), '--size', '900x600']
-    assert cli.main([*arguments, '--at', '20']) == 0
+    arguments = ['view', str(short), '--screenshot', str(target), '--size', '900x600']
+    assert cli.main([*arguments, '--at', '2']) == 0
     assert matplotlib.image.imread(target).shape[:2] == (600, 900)
     assert cli.main([*arguments, '--at', '2000']) == 1
     assert list(temporary.iterdir()) == []
 
 
-def test_a_recording_with_a_name_in_any_script_has_a_picture(recordings, tmp_path):
+def test_a_recording_with_a_name_in_any_script_has_a_picture(short, tmp_path):
     named = tmp_path / 'fan 軸受 ünïcode'
-    named.symlink_to(recordings[1])
+    named.symlink_to(short)
     target = tmp_path / 'shot.png'
     assert cli.main(['view', str(named), '--screenshot', str(target), '--size', '900x600']) == 0
     assert target.exists()
 
 
-def test_a_letter_that_the_viewer_lacks_is_named(recordings, tmp_path):
+def test_a_letter_that_the_viewer_lacks_is_named(short, tmp_path):
     rrd = tmp_path / '軸.rrd'
-    assert draw_recordings(recordings[1:], rrd) == {}
+    assert draw_recordings([short], rrd) == {}
     with (
         pytest.raises(BearingTwinError, match="no letter for '軸'"),
         HeadlessViewer([str(rrd)], size=(400, 300)) as viewer,
