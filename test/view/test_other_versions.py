@@ -92,20 +92,19 @@ LATER = {
 def older(recording, target):
     """Write a recording again as an older version would have."""
     with raw_recording(target) as writer:
-        channels = {}
+        known = {}
         for message in read_messages(recording):
-            name = message.channel.type_name
-            schema = without(message.channel.schema, *LATER.get(name, []))
-            if message.topic not in channels:
+            name, topic = message.channel.type_name, message.topic
+            if topic not in known:
+                schema = without(message.channel.schema, *LATER.get(name, []))
                 number = writer.register_schema(name, 'ros2msg', schema.encode())
-                channels[message.topic] = writer.register_channel(message.topic, 'cdr', number)
-            types, decoded = store_from_text(name, schema), message.decode()
+                channel = writer.register_channel(topic, 'cdr', number)
+                known[topic] = channel, store_from_text(name, schema)
+            (channel, types), decoded = known[topic], message.decode()
             fields = [field for field, _ in types.fielddefs[name][1]]
             again = types.types[name](**{field: getattr(decoded, field) for field in fields})
             cdr = bytes(types.serialize_cdr(again, name))
-            writer.add_message(
-                channels[message.topic], message.log_time, cdr, message.publish_time
-            )
+            writer.add_message(channel, message.log_time, cdr, message.publish_time)
     return target
 
 
@@ -120,8 +119,6 @@ def test_vibration_and_verdicts_of_an_older_version_are_read(tmp_path, capsys):
     assert 'inner race' in capsys.readouterr().out.lower()
     assert cli.main(['report', recording, '-o', str(tmp_path / 'page.html')]) == 0
     assert 'Vibration source not stated' in (tmp_path / 'page.html').read_text()
-    assert cli.main(['report', str(run), '-o', str(tmp_path / 'new.html')]) == 0
-    assert 'Vibration simulated by /twin, preset paper' in (tmp_path / 'new.html').read_text()
     assert cli.main(['view', recording, '--save', str(tmp_path / 'picture.rrd')]) == 0
     assert cli.main(['replay', '--offline', recording, '-o', str(tmp_path / 'again.mcap')]) == 0
     # A message of another version has other bytes: verify names the fields.
