@@ -488,10 +488,10 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
         source.wait_for('p1/recorder: recording')
         blocks: list[Vibration] = []
         source.node.create_subscription(Vibration, '/p1/fan/vibration', blocks.append, STREAM)
-        source.until(lambda: len(blocks) > 100, 'blocks')
+        source.until(lambda: len(blocks) > 50, 'blocks')
         assert source.call(Trigger, '/p1/fleet/reset').success
         assert source.call(Trigger, '/p1/pump/left/twin/reset').success
-        until = len(blocks) + 200
+        until = len(blocks) + 120
         source.until(lambda: len(blocks) > until, 'blocks after the reset')
         assert nodes.end('fleet') == 0
         assert nodes.end('recorder') == 0

@@ -85,21 +85,28 @@ COLOURED, WRITTEN = 30, 300
 """Fewest coloured pixels of a picture that is not empty, and fewest bright ones of a text."""
 
 
+def warming(seconds, folder, defect):
+    """Return a recording over the paper's temperatures in a shorter time."""
+    from bearing_twin.offline.run import run_offline
+
+    source = folder / 'inputs.mcap'
+    write_temperature_recording(source, *paper_schedule(seconds), source='test')
+    run_offline(source, folder / defect, twin={'defect': defect})
+    source.unlink()
+    return folder / defect
+
+
 @pytest.fixture(scope='module')
-def recordings(scheduled):
-    """Return a healthy recording and one with a defect."""
-    return [scheduled(defect=defect) for defect in ('none', 'outer')]
+def recordings(tmp_path_factory):
+    """Return a healthy recording and one with a defect, too quick for a curve over temperature."""
+    folder = tmp_path_factory.mktemp('recordings')
+    return [warming(20.0, folder, defect) for defect in ('none', 'outer')]
 
 
 @pytest.fixture(scope='module')
 def short(tmp_path_factory):
     """Return a recording of three seconds, for what is seen of any."""
-    from bearing_twin.offline.run import run_offline
-
-    source = tmp_path_factory.mktemp('short') / 'inputs.mcap'
-    write_temperature_recording(source, *paper_schedule(3.0), source='test')
-    run_offline(source, source.with_name('short'), twin={'defect': 'outer'})
-    return source.with_name('short')
+    return warming(3.0, tmp_path_factory.mktemp('short'), 'outer')
 
 
 @pytest.fixture(scope='module', autouse=True)
@@ -151,13 +158,17 @@ NUMBERED = {
 
 
 @pytest.fixture(scope='module')
-def shown(recordings, tmp_path_factory):
+def shown(recordings, scheduled, tmp_path_factory):
     """Return what a viewer shows of a page: views, what is wrong with them, pictures to read."""
 
     @cache
     def show(page):
         rrd = tmp_path_factory.mktemp('page') / 'outer.rrd'
-        assert draw_recordings(recordings[1:] if page else recordings, rrd, page=page) == {}
+        if page == 'Temperature':
+            drawn = [scheduled(defect='outer')]
+        else:
+            drawn = recordings[1:] if page else recordings
+        assert draw_recordings(drawn, rrd, page=page) == {}
         wanted = NUMBERED.get(page, ())
         if page == 'Verdict':
             wanted += ('Verdict', 'Reasons', 'Colours')
