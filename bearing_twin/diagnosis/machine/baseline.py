@@ -127,7 +127,7 @@ class Memory:
     >>> worn = Memory()
     >>> for t in range(200):
     ...     _ = worn.learn(t, [min(0.1 * t, 9.0), 0.0, 0.0], now, 20, 3.0)
-    >>> worn.base is None, round(worn.over(np.zeros(3), now)[0])
+    >>> worn.base is None, round(worn.over([0.0, 0.0, 0.0], now)[0])
     (True, 9)
 
     """
@@ -222,7 +222,7 @@ class Memory:
         """Return the law of each measure."""
         return self.record.laws() or [Law()] * len(MEASURES)
 
-    def over(self, levels: NDArray[np.float64], now: Condition) -> NDArray[np.float64]:
+    def over(self, levels: Sequence[float], now: Condition) -> list[float]:
         """
         Return the level of each measure over the earlier one of the machine, dB; NaN at first.
 
@@ -233,11 +233,12 @@ class Memory:
         if self.base is not None:
             # Rounded, because bands beyond half the sample rate must equal the whole signal to the
             # bit.
-            return np.asarray(np.round(levels - np.array(self.base.levels), 6))
-        speed, over = self._speed(now), np.full(len(MEASURES), -math.inf)
+            pairs = zip(levels, self.base.levels, strict=True)
+            return [round(level - base, 6) for level, base in pairs]
+        speed = self._speed(now)
         known = speed in self.medians
-        over[0] = self._over_lowest(speed, *self.medians[speed][1]) if known else math.nan
-        return over
+        whole = self._over_lowest(speed, *self.medians[speed][1]) if known else math.nan
+        return [whole, *[-math.inf] * (len(MEASURES) - 1)]
 
     def _over_lowest(self, speed: str, level: float, heat: float) -> float:
         """Return a level over the lowest, dB, less the largest effect of their temperatures."""

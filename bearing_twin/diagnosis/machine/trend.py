@@ -20,7 +20,6 @@ import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
-    from numpy.typing import NDArray
 
 
 _SAME_RATE = 0.05
@@ -167,41 +166,44 @@ class Trend:
             # A healthy window among faulty ones is of a damaged machine.
             if (alone == 'ok' or silent) and (louder or self.level in ('', 'ok')):
                 self.count += 1
-                if memory.learn(self.count, levels.tolist(), now, wanted, _MOST_OVER_DB):
+                if memory.learn(self.count, levels, now, wanted, _MOST_OVER_DB):
                     memory.windows.clear()
         own = raised(self._compared(diagnosis, levels, now, wanted))
         if full:
-            self.minute.append([*now, *levels.tolist()])
+            self.minute.append([*now, *levels])
             if len(self.minute) >= minute:
                 self._take_minute(healthy=own.level == 'ok')
         return self._shown(own, hold, full)
 
     def _compared(
-        self, diagnosis: Diagnosis, levels: NDArray[np.float64], now: Condition, wanted: int
+        self, diagnosis: Diagnosis, levels: list[float], now: Condition, wanted: int
     ) -> Diagnosis:
         """Return a diagnosis with its levels over those of this machine so far."""
         memory, said, severity = self.memory, list(diagnosis.reasons), diagnosis.severity
-        base, laws = memory.base, memory.laws()
+        base, laws, at = memory.base, memory.laws(), memory.at
         if self.doubtful > _DOUBTFUL * wanted or (base is None and self.count > wanted):
             text = _LEARNT_IN_DOUBT if base else _NOT_YET
             said.append(text.format(wanted=wanted, count=self.count, doubtful=self.doubtful))
-        changes, deviations = np.array([law.correct(now, memory.at) for law in laws]).T
-        same = [law.comparable(now, memory.at) for law in laws]
+        changes, deviations = zip(*(law.correct(now, at) for law in laws), strict=True)
+        same = [law.comparable(now, at) for law in laws]
         none = -math.inf if same[0] else math.nan
-        over = np.where(same, memory.over(levels - changes, now), none)
+        corrected = [dB - change for dB, change in zip(levels, changes, strict=True)]
+        over = memory.over(corrected, now)
+        over = [dB if known else none for dB, known in zip(over, same, strict=True)]
         if base is None and not over[0] >= SUSPECT_DB:
-            over[:] = math.nan
-        most = self.measure = self._leading(over - Z90 * deviations)
+            over = [math.nan] * len(over)
+        sure = [dB - Z90 * deviation for dB, deviation in zip(over, deviations, strict=True)]
+        most = self.measure = self._leading(sure)
         severity = replace(
             severity,
-            level_over_baseline=float(over[most]),
+            level_over_baseline=over[most],
             rising=self.rise.lasting if self.rise.found else 0,
-            correction=float(changes[most]),
-            correction_sd=float(deviations[most]),
+            correction=changes[most],
+            correction_sd=deviations[most],
             correction_basis=str(laws[most]) if base else '',
         )
         if not same[0]:
-            hertz = 2.0**memory.at.octaves
+            hertz = 2.0**at.octaves
             said.append(f'baseline is of {hertz:.4g} Hz: not compared at this speed')
         elif base is None and over[0] >= SUSPECT_DB:
             said.append(_LOWEST)
@@ -218,17 +220,18 @@ class Trend:
             said.append(f'{MEASURES[most]}: {over[most]:+.1f} dB over the baseline')
         return replace(diagnosis, severity=severity, reasons=tuple(said))
 
-    def _leading(self, over: NDArray[np.float64]) -> int:
+    def _leading(self, over: list[float]) -> int:
         """
         Return the measure that is furthest over the baseline.
 
         The previous measure stays until another is clearly further over the baseline, or requires
         a higher level. Otherwise the text would change with each window if two are about equal.
         """
-        most = int(np.argmax(over))
-        clear = not over[most] - over[self.measure] < KNOWN_DB
-        levels = np.digitize(over, (SUSPECT_DB, FAULT_DB))
-        return most if clear or levels[most] > levels[self.measure] else self.measure
+        most = max(range(len(over)), key=over.__getitem__)
+        highest, named = over[most], over[self.measure]
+        clear = not highest - named < KNOWN_DB
+        asks = any(named < limit <= highest for limit in (SUSPECT_DB, FAULT_DB))
+        return most if clear or asks else self.measure
 
     def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
         """Return the shown diagnosis; a single window without information changes no answer."""

@@ -189,7 +189,7 @@ class SeriesMonitor:
             return None
         self._kept.unjudged, self._kept.source = 0, Source(unit=unit, sample_rate=sample_rate)
         most = SUSPECT_DB if self._teaches else -math.inf
-        if memory.learn(time, levels.tolist(), now, self._settings.baseline_windows, most):
+        if memory.learn(time, levels, now, self._settings.baseline_windows, most):
             # A machine that has run in, or was repaired, is compared with its present state.
             self._kept.rise = Rise()
             self._quiet.clear()
@@ -213,7 +213,7 @@ class SeriesMonitor:
         if by_level in ('suspect', 'fault') and math.isnan(self._kept.risen):
             self._kept.risen = time
         if self._teaches:
-            memory.record.add(levels.tolist(), now)
+            memory.record.add(levels, now)
         if memory.base is not None or not self._teaches:
             (self._quiet if self._teaches else self._loud).join(newest)
         point = SeriesPoint(
@@ -315,10 +315,11 @@ class SeriesMonitor:
     def _over(self, now: Condition) -> tuple[float, int]:
         """Return the level of the last snapshots over their reference, dB, and its measure."""
         recent = np.median(self._levels[-CONFIRMING:], axis=0)
-        over = np.nan_to_num(self._kept.memory.over(recent, now), neginf=-math.inf)
+        over = self._kept.memory.over(recent.tolist(), now)
+        over = [0.0 if math.isnan(value) else value for value in over]
         # The measures are compared by their ratio to their thresholds.
         most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
-        return float(over[most]), most
+        return over[most], most
 
     def _wanted(self, over: float, measure: int, zone_level: str) -> str:
         """Return the level that the vibration of the newest snapshots requires."""

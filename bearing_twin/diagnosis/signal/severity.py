@@ -225,14 +225,14 @@ def measure_severity(
     )
 
 
-def watched(severity: Severity) -> NDArray[np.float64]:
+def watched(severity: Severity) -> list[float]:
     """
     Return the levels of the :data:`MEASURES`, dB.
 
     >>> turns = 2.0 * np.pi * np.arange(25600) / 25600.0
     >>> x = 2.0 * np.sin(100.0 * turns) + 2.0 * np.sin(5.0 * turns)
     >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0))
-    >>> round(found.rms, 2), round(float(watched(found)[0]), 1)
+    >>> round(found.rms, 2), round(watched(found)[0], 1)
     (2.0, 3.0)
 
     """
@@ -240,7 +240,7 @@ def watched(severity: Severity) -> NDArray[np.float64]:
     # The level of an empty band, such as one above half the sample rate, follows the whole.
     whole = sum(powers) + 1e-300
     heights = (whole, *(max(power, 1e-18 * whole) for power in powers[1:]))
-    return np.array([round(10.0 * math.log10(height), 6) for height in heights])
+    return [round(10.0 * math.log10(height), 6) for height in heights]
 
 
 def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
