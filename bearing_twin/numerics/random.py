@@ -16,7 +16,16 @@ from __future__ import annotations
 import math
 
 from bearing_twin.numerics.compiled import compiled, FAST
-from bearing_twin.numerics.vector import chosen, has_bit, real, root, sines, splat, split
+from bearing_twin.numerics.vector import (
+    chosen,
+    has_bit,
+    logarithm,
+    real,
+    root,
+    sines,
+    splat,
+    split,
+)
 import numpy as np
 
 NOISE, WALK, SURFACE = 0, 1, 2
@@ -32,7 +41,6 @@ _QUADRANT = np.uint64(30)
 _FRACTION = np.uint64(0x3FFFFFFF)
 
 _F = np.float32
-_LN2 = _F(math.log(2.0))
 _QUARTER_TURN = _F(0.5 * math.pi * 2.0**-30)
 _EIGHTH = _F(0.25 * math.pi)
 
@@ -66,28 +74,12 @@ def philox(counter_low, counter_high, key):
 
 @compiled(inline=True, fast=FAST)
 def _log(u):
-    """Natural logarithm of a positive float32, to 1e-7 (the polynomial of Cephes' logf)."""
+    """Natural logarithm of a positive float32, to 1e-7."""
     bits = np.int32(_F(u).view(np.int32))
     # Split at sqrt(1/2), so that the mantissa lies in 0.707..1.414.
     exponent = np.int32((bits - np.int32(0x3F3504F3)) >> np.int32(23))
     m = np.int32(bits - np.int32(exponent << np.int32(23))).view(np.float32)
-    return _log_of(_F(exponent), m)
-
-
-@compiled(inline=True, fast=FAST)
-def _log_of(exponent, m):
-    """Natural logarithm of ``m 2^exponent``, ``m`` in 0.707..1.414; for numbers or `FLOATS`."""
-    t = m - _F(1.0)
-    p = _F(7.0376836292e-2) * t - _F(1.1514610310e-1)
-    p = p * t + _F(1.1676998740e-1)
-    p = p * t - _F(1.2420140846e-1)
-    p = p * t + _F(1.4249322787e-1)
-    p = p * t - _F(1.6668057665e-1)
-    p = p * t + _F(2.0000714765e-1)
-    p = p * t - _F(2.4999993993e-1)
-    p = p * t + _F(3.3333331174e-1)
-    square = t * t
-    return exponent * _LN2 + (t - _F(0.5) * square + square * t * p)
+    return logarithm(_F(exponent), m)
 
 
 @compiled(inline=True, fast=FAST)
@@ -122,7 +114,7 @@ def normal_pairs(index, stream, seeds):
     high = splat((k >> _SHIFT) | (np.uint64(stream) << _STREAM))
     a, b = philox(low, high, seeds & _LOW)
     exponent, rest = split((real(a >> _EIGHT) + _F(0.5)) * _F(2.0**-24))
-    radius = root(_F(-2.0) * _log_of(exponent, rest))
+    radius = root(_F(-2.0) * logarithm(exponent, rest))
     c, s = sines(real(b & _FRACTION) * _QUARTER_TURN - _EIGHTH)
     odd = has_bit(b, _QUADRANT)
     signed = chosen(has_bit(b, _QUADRANT + np.uint64(1)), -radius, radius)

@@ -30,6 +30,7 @@ import numpy.typing as npt
 L = 16
 """Lanes: numbers in one vector value."""
 _F = np.float32
+_LN2 = _F(math.log(2.0))
 
 _intrinsic: Any = intrinsic
 """Typed as Any: compiled code passes other arguments than the Python function declares."""
@@ -394,3 +395,20 @@ def split(typing, value):
         return context.make_tuple(builder, sig.return_type, pair)
 
     return types.UniTuple(FLOATS, 2)(FLOATS), code
+
+
+@compiled(inline=True, fast=FAST)
+def logarithm(exponent: Any, rest: Any) -> Any:
+    """Return the natural logarithm of ``rest 2^exponent``, to 1e-7, see `split`."""
+    # The polynomial of Cephes' logf.
+    t = rest - _F(1.0)
+    p = _F(7.0376836292e-2) * t - _F(1.1514610310e-1)
+    p = p * t + _F(1.1676998740e-1)
+    p = p * t - _F(1.2420140846e-1)
+    p = p * t + _F(1.4249322787e-1)
+    p = p * t - _F(1.6668057665e-1)
+    p = p * t + _F(2.0000714765e-1)
+    p = p * t - _F(2.4999993993e-1)
+    p = p * t + _F(3.3333331174e-1)
+    square = t * t
+    return exponent * _LN2 + (t - _F(0.5) * square + square * t * p)
