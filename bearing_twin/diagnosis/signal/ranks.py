@@ -14,6 +14,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+_COUNTED = 5
+"""Number of first passes that only count. Later ones also find the neighbours of the guess, which
+end the search where few values are left between the bounds."""
+
+
+@compiled(inline=True, fast=FAST)
+def _counted(value: Any, guess: Any, below: Any) -> Any:
+    """Count values below a guess."""
+    return chosen(guess > value, below + 1.0, below)
+
+
 @compiled(inline=True, fast=FAST)
 def _beside(value: Any, guess: Any, below: Any, before: Any, after: Any) -> Any:
     """Count values below a guess; keep the greatest of them, and the least of the others."""
@@ -39,13 +50,20 @@ def _narrowed(bounds: Any, rank: int, below: Any, before: Any, after: Any) -> An
     """Return closer bounds of the value of a rank with their counts, and the next guess."""
     low, high, under, until = bounds
     less = below > np.float32(rank)
-    # If the counts match, the next value above or below the guess is the wanted one.
-    high = chosen(less, before, chosen(below == np.float32(rank), after, high))
-    low = chosen(less, chosen(below == np.float32(rank + 1), before, low), after)
+    high, low = chosen(less, before, high), chosen(less, low, after)
     under, until = chosen(less, under, below), chosen(less, below, until)
     guess = low + (np.float32(rank + 0.5) - under) / (until - under) * (high - low)
     guess = chosen(guess > low, guess, high)
     return (low, high, under, until), chosen(guess > high, high, guess)
+
+
+@compiled(inline=True, fast=FAST)
+def _found(bounds: Any, rank: int, below: Any, before: Any, after: Any) -> Any:
+    """Return bounds that both are the wanted value where it is a neighbour of the guess."""
+    low, high, under, until = bounds
+    # If the counts match, the next value above or below the guess is the wanted one.
+    low = chosen(below == np.float32(rank + 1), before, low)
+    return low, chosen(below == np.float32(rank), after, high), under, until
 
 
 @compiled(fast=FAST, borrows=True)
@@ -121,6 +139,14 @@ def _block_ranks(
         bounds_d = low_d, high_d, zero, zero + np.float32(count)
         guess_c = _first_guess(low_c, high_c, each * sum_c, each * square_c, away)
         guess_d = _first_guess(low_d, high_d, each * sum_d, each * square_d, away)
+        for _ in range(_COUNTED):
+            below_c = below_d = zero
+            for n in range(count):
+                row = values[first + n * step]
+                below_c = _counted(load(row[c:], 0), guess_c, below_c)
+                below_d = _counted(load(row[d:], 0), guess_d, below_d)
+            bounds_c, guess_c = _narrowed(bounds_c, rank, below_c, guess_c, guess_c)
+            bounds_d, guess_d = _narrowed(bounds_d, rank, below_d, guess_d, guess_d)
         while any_of(bounds_c[1] > bounds_c[0]) or any_of(bounds_d[1] > bounds_d[0]):
             below_c, before_c, after_c = zero, bounds_c[0], bounds_c[1]
             below_d, before_d, after_d = zero, bounds_d[0], bounds_d[1]
@@ -129,6 +155,8 @@ def _block_ranks(
                 value, other = load(row[c:], 0), load(row[d:], 0)
                 below_c, before_c, after_c = _beside(value, guess_c, below_c, before_c, after_c)
                 below_d, before_d, after_d = _beside(other, guess_d, below_d, before_d, after_d)
+            bounds_c = _found(bounds_c, rank, below_c, before_c, after_c)
+            bounds_d = _found(bounds_d, rank, below_d, before_d, after_d)
             bounds_c, guess_c = _narrowed(bounds_c, rank, below_c, before_c, after_c)
             bounds_d, guess_d = _narrowed(bounds_d, rank, below_d, before_d, after_d)
         store(found[c:], 0, bounds_c[0])
