@@ -7,11 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 import functools
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.stockham import (
     aligned,
     is_quick,
+    put,
     radices,
     real_columns,
     ROW,
@@ -169,7 +170,7 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
     # The row after the parts is read, so it must be finite.
     signals[:, :, -1] = 0.0
     rows, other = aligned(2, 2 * part, ROW)
-    work = aligned(21, ROW)
+    work = aligned(22, ROW)
     _add_tiles(
         whitened, parts, members, len(tree.bands), turns(2 * part), radices(2 * part), signals,
         rows, other, work, lags,
@@ -234,13 +235,13 @@ def _add_tiles(
     signals
         (2, groups parts, 2 part + 1, 32) scratch memory; the last row is finite.
     rows, other, work
-        (2 part, 32), (2 part, 32) and (21, 32) scratch memory.
+        (2 part, 32), (2 part, 32) and (22, 32) scratch memory.
     lags
         (K, 2, >= 2 bands + 16) real and imaginary parts, added to.
 
     """
     part, groups = len(rows) // 2, members.shape[1]
-    count, values = groups * parts, work[20]
+    count, values = groups * parts, work[20:]
     # The passes of a transform go from one array into another and back.
     crosses = len(radices) % 2 == 1
     sums = other if crosses else rows
@@ -364,33 +365,52 @@ def _add_lags(
     first
         Column of the first band.
     values
-        (32,) scratch memory.
+        (2, 32) scratch memory.
     lags
         (K, 2, >= first + 16 n) real and imaginary parts, added to.
 
     """
-    length = len(products)
-    part, count = length // 2, len(lags)
-    scale = np.float32(1.0) / np.float32(length)
-    for lag in range(max((apart - 1) * part + 1, 0), min((apart + 1) * part, count)):
-        at = lag - apart * part if lag >= apart * part else lag - apart * part + length
-        row = products[at]
-        real, imag = scale * load(row, 0), scale * load(row, 1)
-        if apart == 0:
-            other = products[length - at if at else 0]
-            mirror_real, mirror_imag = scale * load(other, 0), scale * load(other, 1)
-            if whitening == 0:
-                real, imag = 0.5 * (real + mirror_real), 0.5 * (imag - mirror_imag)
-            else:
-                real, imag = 0.5 * (imag + mirror_imag), 0.5 * (mirror_real - real)
-        store(values, 0, real)
-        store(values, 1, imag)
-        for column in range(0, members.shape[1], L):
-            out = lags[lag, 0, first + column :], lags[lag, 1, first + column :]
-            sums_real, sums_imag = load(out[0], 0), load(out[1], 0)
+    part, count = len(products) // 2, len(lags)
+    begin, end = max((apart - 1) * part + 1, 0), min((apart + 1) * part, count)
+    for lag in range(begin, end, 2):
+        # Two lags at once, because the additions of one lag wait for each other. A single last
+        # lag is done twice.
+        following = min(lag + 1, end - 1)
+        real, imag = _product(products, whitening, apart, lag)
+        put(values[0], 0, real, imag)
+        real, imag = _product(products, whitening, apart, following)
+        put(values[1], 0, real, imag)
+        for column in range(first, first + members.shape[1], L):
+            one, other = lags[lag, :, column:], lags[following, :, column:]
+            one_real, one_imag = load(one[0], 0), load(one[1], 0)
+            other_real, other_imag = load(other[0], 0), load(other[1], 0)
             for k in range(L):
-                belongs = load(members[k, column:], 0)
-                sums_real = sums_real + belongs * values[k]
-                sums_imag = sums_imag + belongs * values[L + k]
-            store(out[0], 0, sums_real)
-            store(out[1], 0, sums_imag)
+                belongs = load(members[k, column - first :], 0)
+                one_real = one_real + belongs * values[0, k]
+                one_imag = one_imag + belongs * values[0, L + k]
+                other_real = other_real + belongs * values[1, k]
+                other_imag = other_imag + belongs * values[1, L + k]
+            store(one[0], 0, one_real)
+            store(one[1], 0, one_imag)
+            store(other[0], 0, other_real)
+            store(other[1], 0, other_imag)
+
+
+@compiled(inline=True, fast=FAST)
+def _product(
+    products: NDArray[np.float32], whitening: int, apart: int, lag: int
+) -> tuple[Any, Any]:
+    """Return the products of all tiles at one lag, see `_add_lags`."""
+    length = len(products)
+    part, scale = length // 2, np.float32(1.0) / np.float32(length)
+    at = lag - apart * part if lag >= apart * part else lag - apart * part + length
+    row = products[at]
+    real, imag = scale * load(row, 0), scale * load(row, 1)
+    if apart == 0:
+        other = products[length - at if at else 0]
+        mirror_real, mirror_imag = scale * load(other, 0), scale * load(other, 1)
+        if whitening == 0:
+            real, imag = 0.5 * (real + mirror_real), 0.5 * (imag - mirror_imag)
+        else:
+            real, imag = 0.5 * (imag + mirror_imag), 0.5 * (mirror_real - real)
+    return real, imag
