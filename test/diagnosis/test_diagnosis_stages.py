@@ -177,6 +177,16 @@ def test_ranks_of_columns_are_those_of_sorting(rng, kind, count, columns):
             assert (found == rows[rank]).all()
 
 
+@pytest.mark.parametrize('bands', [1, 3, 8])
+def test_logarithms_of_an_envelope_spectrum_are_those_of_power_over_floor(rng, bands):
+    part = Lapping([rng.exponential(size=(1280, 2 * bands)).astype(np.float32)])
+    # Logarithms are taken sixteen at a time, and 499 lines are no multiple of it.
+    found = envelope_spectra([part], 1280.0, bands=bands, max_hz=499.0, floor_width=64)
+    for band in range(bands):
+        ratio = found.power[band] / found.floor(band).astype(np.float64)
+        assert found.logs[:, band] == pytest.approx(np.log1p(ratio), rel=1e-5, abs=1e-6)
+
+
 @pytest.mark.parametrize('points', [1280, 12_800])
 def test_points_of_an_envelope_do_not_change_its_spectrum(rng, points):
     x = rng.standard_normal(25_600)
