@@ -16,6 +16,7 @@ from bearing_twin.ros.processes.domain import own_domain, server_port
 from bearing_twin.ros.processes.launching import local_environment, NodeProcesses
 from bearing_twin.stamps import stamp_ns
 import numpy as np
+import psutil
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -117,8 +118,8 @@ def wait_for(
 
 def cpu_seconds(pid: int) -> float:
     """Return the processor time of a process with all its threads, s."""
-    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+    times = psutil.Process(pid).cpu_times()
+    return times.user + times.system
 
 
 def _punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[str, float]:
