@@ -19,6 +19,7 @@ from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.diagnosis.signal.severity import iso_zone, Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, Turning
 from bearing_twin.diagnosis.signal.spectra import envelope_spectra, local_floor, whiten
+from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
 from scipy import signal, stats
@@ -286,6 +287,12 @@ def test_angular_resampling_turns_a_sweep_into_a_line():
     peak = np.argmax(spectrum) * RATE / n
     assert peak == pytest.approx(7.3 * mean_hz, abs=0.3)
     assert (spectrum > 0.3 * spectrum.max()).sum() <= 4
+
+
+@pytest.mark.parametrize('count', [0, 1, 3])
+def test_fewer_values_than_interpolation_takes_are_not_resampled(count):
+    with pytest.raises(BearingTwinError, match='give at least 4'):
+        resample(np.ones(count), np.zeros(1))
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.diagnosis.signal.lines import without_highest
 from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.numerics.compiled import compiled
 import numpy as np
 
@@ -237,11 +238,19 @@ def resample(values: NDArray[np.floating], at: NDArray[np.float64]) -> NDArray[n
     at
         Positions from 0 to N - 1, shape (M,).
 
+    Raises
+    ------
+    BearingTwinError
+        If there are fewer than four values.
+
     >>> x = np.cos(2.0 * np.pi * 25.0 * np.arange(25600) / 25600.0)
     >>> bool(np.allclose(resample(x, np.array([512.0, 512.5])), [x[512], x[512]], atol=1e-3))
     True
 
     """
+    if len(values) < 4:
+        msg = f'{len(values)} values cannot be resampled: give at least 4'
+        raise BearingTwinError(msg)
     found = np.empty((len(at), *values.shape[1:]), np.float32)
     rows = np.ascontiguousarray(values, np.float32).reshape(len(values), -1)
     _interpolate(rows, at, found.reshape(len(at), -1))
