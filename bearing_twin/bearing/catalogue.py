@@ -200,7 +200,10 @@ def own_bearing(geometry: str) -> Bearing:
         )
         raise BearingTwinError(msg) from None
     if not 0.0 <= degrees < 90.0:
-        msg = f'geometry={geometry!r}: a contact angle of {degrees:g} degrees is outside 0..90'
+        msg = (
+            f'geometry={geometry!r}: a contact angle of {degrees:g} degrees is not at least 0 and '
+            'below 90; give the angle to the radial plane'
+        )
         raise BearingTwinError(msg)
     n_balls, d_ball, d_pitch, contact_angle = numbers
     return Bearing(

@@ -149,13 +149,14 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
     if math.isfinite(diagnosis.rms):
         level = number(diagnosis.rms, f'{unit} rms' if diagnosis.unit else f'rms ({unit})')
         if math.isfinite(diagnosis.level_over_baseline):
-            level += f', {diagnosis.level_over_baseline:+.1f} dB over its baseline'
+            over = round(diagnosis.level_over_baseline, 1) + 0.0
+            level += f', {over:+.1f} dB over its baseline'
         rows.append(('Level', level))
     if recorded(diagnosis, 'level_correction_sd') > 0.0:
-        taken = recorded(diagnosis, 'level_correction')
+        taken = round(-recorded(diagnosis, 'level_correction'), 1) + 0.0
         sure = Z90 * recorded(diagnosis, 'level_correction_sd')
         rows.append(
-            ('Corrected', f'by {-taken:+.1f} ± {sure:.1f} dB for temperature and speed: '
+            ('Corrected', f'by {taken:+.1f} ± {sure:.1f} dB for temperature and speed: '
              f'{_basis(diagnosis)}')
         )  # fmt: skip
     if math.isfinite(diagnosis.velocity_rms):

@@ -200,8 +200,8 @@ class CalibrationCore:
         if not alike.far or math.isnan(level):
             return ''
         return (
-            f'the vibration is {level:+.1f} dB over that of the record that was fitted, at a '
-            f'log-spectral distance of {alike.distance:.1f} dB'
+            f'the vibration is {round(level, 1) + 0.0:+.1f} dB over that of the record that was '
+            f'fitted, at a log-spectral distance of {alike.distance:.1f} dB'
         )
 
     def stale(self, now: float) -> str:

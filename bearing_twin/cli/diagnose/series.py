@@ -175,13 +175,20 @@ def _page(
         ('change', when(report.change)),
         ('alarm', f'{when(report.first_alarm)}; fault {when(report.first_fault)}; '
          + (f'last {when(report.alarm)}; ' if report.alarm > report.first_alarm else '')
-         + f'the level changed {report.changes} times'),
-        ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend:+.2g} dB/h'),
+         + _changes(report.changes)),
+        ('trend', 'unknown' if math.isnan(report.trend) else f'{report.trend + 0.0:+.2g} dB/h'),
         *(('why' if not index else '', text) for index, text in enumerate(report.reasons)),
         ('next step', _to_do(report)),
     ]  # fmt: skip
     head = wrapped('', f'from {said} on: {len(points)} snapshots in {length}')
     return '\n'.join([by_level('\n'.join(head), 'bold'), *lined_up(rows)])
+
+
+def _changes(count: int) -> str:
+    """Say how often the held level changed; its first one is no change."""
+    if not count:
+        return 'the first level that was known still holds'
+    return f'the level changed {count} time{"s" if count > 1 else ""} since it was first known'
 
 
 def _clock(seconds: float) -> str:

@@ -14,7 +14,7 @@ from bearing_twin.diagnosis.machine.dependence import Condition, KNOWN_DB, Z90
 from bearing_twin.diagnosis.machine.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise
 from bearing_twin.diagnosis.rules.table import NOTHING_SHOWS
-from bearing_twin.diagnosis.signal.severity import MEASURES, watched
+from bearing_twin.diagnosis.signal.severity import band_name, MEASURES, watched
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -217,7 +217,8 @@ class Trend:
                 )  # fmt: skip
             said.append(f'{over[0]:.1f} dB over the baseline: {FALLEN}')
         elif most:
-            said.append(f'{MEASURES[most]}: {over[most]:+.1f} dB over the baseline')
+            band = band_name(most, diagnosis.sample_rate)
+            said.append(f'{band}: {round(over[most], 1) + 0.0:+.1f} dB over the baseline')
         return replace(diagnosis, severity=severity, reasons=tuple(said))
 
     def _leading(self, over: list[float]) -> int:

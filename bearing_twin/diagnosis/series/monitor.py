@@ -28,6 +28,7 @@ from bearing_twin.diagnosis.series.state import Kept
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import FAINTEST, LARGEST
 from bearing_twin.diagnosis.signal.severity import (
+    band_name,
     LEAST,
     Levels,
     measure_severity,
@@ -470,7 +471,9 @@ class SeriesMonitor:
         if self._kept.points:
             last = self._kept.points[-1]
             if base is not None:
-                reasons.append(f'{last.measure}: {last.over_baseline:+.1f} dB over the baseline')
+                band = band_name(MEASURES.index(last.measure), self._kept.source.sample_rate)
+                over = round(last.over_baseline, 1) + 0.0
+                reasons.append(f'{band}: {over:+.1f} dB over the baseline')
                 if (
                     self._kept.held in ('suspect', 'fault')
                     and (usual := self._usual()) is not None
@@ -489,7 +492,7 @@ class SeriesMonitor:
             reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
         if math.isfinite(warmer):
             reasons.append(str(self._laws()[0]))
-            reasons.append(f'{warmer:+.0f} K against the baseline')
+            reasons.append(f'{round(warmer) + 0.0:+.0f} K against the baseline')
         if comb is not None:
             reasons.append(str(comb))
         elif not place and self._kept.held in ('suspect', 'fault') and self._bearing is not None:

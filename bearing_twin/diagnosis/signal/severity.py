@@ -225,6 +225,20 @@ def measure_severity(
     )
 
 
+def band_name(measure: int, sample_rate: float) -> str:
+    """
+    Return the name of one of the :data:`MEASURES` at a sample rate, which bounds its band, Hz.
+
+    >>> band_name(2, 25600.0), band_name(1, 25600.0), band_name(0, 25600.0)
+    ('5000 to 12800 Hz', '1000 to 5000 Hz', 'whole band')
+
+    """
+    low, high = BANDS_HZ[measure]
+    if not measure or not low < 0.5 * sample_rate < high:
+        return MEASURES[measure]
+    return f'{low:g} to {0.5 * sample_rate:g} Hz'
+
+
 def watched(severity: Severity) -> list[float]:
     """
     Return the levels of the :data:`MEASURES`, dB.

@@ -290,7 +290,12 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
             size = numeric[name].size
             others = [key for key in free if key != name and numeric[key].size == size]
     if name not in numeric:
-        msg = f'{path} holds no array of numbers that could be a vibration'
+        held = ', '.join(list(numeric)[:10])
+        msg = (
+            f'{path} holds no array of numbers that could be a vibration: of {len(arrays)} '
+            f'entries {len(numeric)} hold two numbers or more{held and f" ({held})"}; name the '
+            'samples x, or choose an entry by --channel'
+        )
         raise BearingTwinError(msg)
     x = numeric[name]
     where = f', {name}' + (f' (there is also {", ".join(others[:10])})' if others else '')
