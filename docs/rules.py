@@ -30,6 +30,14 @@ def with_rules(text: str) -> str:
     """Return the document with the present rules in it."""
     rows = ['| rule | answer | why |', '|---|---|---|']
     rows += [f'| `{rule.name}` | *{rule.answer}* | {rule.why} |' for rule in RULES]
+    steps = ['| rule | next step | confidence |', '|---|---|---|']
+    steps += [
+        f'| `{rule.name}` | {rule.tells} | '
+        f'{f"at most {rule.at_most:g}" if rule.at_most < 1.0 else "that something strikes"} |'
+        for rule in RULES
+        if rule.tells
+    ]
+    text = with_block(text, 'tells', '\n'.join(steps))
     return with_block(text, 'rules', '\n'.join(rows))
 
 

@@ -116,6 +116,8 @@ CODES = """\
 machine is a device (OPC 10000-100) with one condition, whose type and severity (1 to 1000) follow
 from the level; the code is its condition name. The next step of a place whose level is fault
 follows from the stage; *ambiguous* of stage 1 or 2, which combs raised, has that step and its own.
+Where something sound explains the lines as well, the step is what tells
+([rules](diagnosis.md#confidence)).
 Mapped here, not shipped: there is no OPC UA server in this package.
 """
 

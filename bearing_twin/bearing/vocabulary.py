@@ -53,16 +53,26 @@ STAGE_STEPS: tuple[str, ...] = (
 )
 """Advice for each stage of a defect, for people; 0: the stage is not known."""
 
+_BY_LEVEL = 3
+"""Stage from which on the level of the vibration asks for a step, whatever strikes."""
+
 _STEPS: dict[str, str] = {
     'healthy': 'nothing; go on measuring at the same speed and load',
     'cage': 'plan to replace the bearing soon: a cage fails without much warning',
     'suspect': 'check bearing and speed, record again as long as possible, and watch the level',
-    'ambiguous': 'record longer, or at a speed some per cent off, so that the orders part',
+    'ambiguous': 'record longer, with a measured speed, so that the orders part',
     'insufficient': 'mend what the reasons name, and record again',
 }
 
 
-def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bool = False) -> str:
+def next_step(
+    result: str,
+    stage: int = 0,
+    *,
+    urgent: bool = False,
+    standing: bool = False,
+    tells: str = '',
+) -> str:
     """
     Return the advice for a result, for people.
 
@@ -78,6 +88,9 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
         the severity must exceed what that fault alone explains.
     standing : bool
         Whether the shaft stands still; it counts when the result is *insufficient*.
+    tells : str
+        What would tell the bearing from something else that the answer may be about. It comes
+        instead of a step about the bearing, unless the vibration alone asks for that.
 
     Returns
     -------
@@ -96,17 +109,21 @@ def next_step(result: str, stage: int = 0, *, urgent: bool = False, standing: bo
     'plan to replace the bearing soon: a cage fails without much warning'
     >>> next_step('ambiguous', 2).partition('; record')[0]
     'order a bearing; measure daily'
+    >>> next_step('ambiguous', 2, tells='look at the coupling')
+    'look at the coupling'
 
     """
     urgently = 'find the cause of the high vibration now: balance, alignment, looseness, bearing'
     if result in PLACES:
-        begun = result == 'cage' and stage < 3
+        begun = result == 'cage' and stage < _BY_LEVEL
         step = _STEPS[result] if begun else STAGE_STEPS[stage]
         return f'{urgently}; {step}' if urgent and stage < 4 else step
     if urgent:
         return urgently
     if standing and result == 'insufficient':
         return 'measure while the shaft turns'
+    if tells and stage < _BY_LEVEL:
+        return tells
     if result == 'ambiguous' and stage:
         # The bearing is damaged; only the place is not known.
         return f'{STAGE_STEPS[stage]}; {_STEPS[result]}'

@@ -14,6 +14,7 @@ from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.machine.dependence import Z90
 from bearing_twin.diagnosis.machine.level import is_urgent, UNKNOWN
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
+from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
@@ -99,6 +100,7 @@ def next_step(diagnosis: Any) -> str:
         _stage(diagnosis),
         urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms'), _stage(diagnosis)),
         standing=shaft_speed(diagnosis) == 'standing',
+        tells=TELLS.get(str(getattr(diagnosis, 'rule', '')), ''),
     )
     return f'{step[0].upper()}{step[1:]}.'
 

@@ -33,6 +33,9 @@ CLAIMS = {
 every named fault, ``'elsewhere'`` for impacts at an order of no part of the bearing."""
 KINDS = tuple(CLAIMS)
 
+_OF_ELSE = ('another_cage', 'extraneous', 'whole_turns')
+"""Rules that say of the lines at a fault order that something else makes them, or may."""
+
 _SOUND = {
     'constant': 3.3489,
     'significance': -0.9981,
@@ -149,8 +152,7 @@ def kind_of(result: str, level: str, faults: Sequence[str], rule: str) -> str:
     if result in PLACES:
         # A named place without an alarm has the confidence of a suspicion.
         return 'suspect' if level == 'suspect' else 'fault'
-    if result == 'suspect' and (not faults or rule == 'extraneous'):
-        # The answer says that something else makes the lines at a fault order.
+    if rule in _OF_ELSE or (result == 'suspect' and not faults):
         return 'elsewhere'
     return result
 

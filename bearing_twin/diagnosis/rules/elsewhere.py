@@ -24,10 +24,17 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.rules.verdict import Verdict
 
 
+_STRIKES_WITH_THE_SHAFT = (
+    'record longer, with a measured speed, so that the orders part; look at what else strikes in '
+    'time with the shaft'
+)
+
+
 @rule(
     'ambiguous',
     'Lines at a fault order on a multiple of the shaft belong to either.',
     at_most=EVEN,
+    tells=_STRIKES_WITH_THE_SHAFT,
 )
 def masked_candidate(e: Evidence) -> Verdict | None:
     if not e.masked_candidates:
@@ -43,7 +50,12 @@ def masked_candidate(e: Evidence) -> Verdict | None:
     return say(e, str(first), text, faults=tuple(combs), candidates=found)
 
 
-@rule('suspect', 'What rings low only may be an outer race, or its variable compliance.')
+@rule(
+    'suspect',
+    'What rings low only may be an outer race, or its variable compliance.',
+    at_most=EVEN,
+    tells='compare with an earlier record, or sample faster, so that higher bands show',
+)
 def low_bands(e: Evidence) -> Verdict | None:
     outer = e.candidates['outer']
     shown = outer.z >= Z_FAULT and outer.harmonics >= 2 and e.outer_index >= INDEX_FAULT
@@ -60,6 +72,7 @@ def impacts_elsewhere(e: Evidence) -> Verdict | None:
 @rule(
     'suspect',
     'Impacts in time with the shaft, deeper than a load makes, are of something else.',
+    tells='look at coupling, key, gear, looseness and rubs, and record again',
 )
 def strikes_each_turn(e: Evidence) -> Verdict | None:
     if e.each_turn is None:
@@ -75,6 +88,8 @@ def strikes_each_turn(e: Evidence) -> Verdict | None:
 @rule(
     'ambiguous',
     'Rectifiers and converters pulse twice a period of the mains, and swell with no shaft.',
+    at_most=EVEN,
+    tells='record at a speed some per cent off: pulses of the mains keep their frequency',
 )
 def mains_pulses(e: Evidence) -> Verdict | None:
     sways = e.leading.place == 'inner' and e.leading.shaft_sideband_ratio >= SWAY
@@ -87,7 +102,12 @@ def mains_pulses(e: Evidence) -> Verdict | None:
     return say(e, text, about=e.leading)
 
 
-@rule('ambiguous', 'An impact once a turn has lines at all multiples of the shaft.', at_most=EVEN)
+@rule(
+    'ambiguous',
+    'An impact once a turn has lines at all multiples of the shaft.',
+    at_most=EVEN,
+    tells=_STRIKES_WITH_THE_SHAFT,
+)
 def masked_by_shaft(e: Evidence) -> Verdict | None:
     if e.leading in e.nameable or e.leading.place not in e.masked_by_shaft:
         return None
@@ -126,13 +146,17 @@ def smooth(e: Evidence) -> Verdict | None:
     if sided or not e.smooth or e.leading.index > INDEX_SMOOTH:
         return None
     text = (
-        'its third and fourth harmonic are missing, so it is smooth: an extended spall, an error '
-        'of form, or the pulses of blades, vanes or lobes? check bearing and speed'
+        'its third and fourth harmonic are missing, so it is smooth: most likely an extended '
+        'spall, else an error of form, or blades, vanes or lobes; check bearing and speed'
     )
     return say(e, text, about=e.leading)
 
 
-@rule('ambiguous', 'What strikes a whole number of times a turn may be a part of the shaft.')
+@rule(
+    'ambiguous',
+    'What strikes a whole number of times a turn may be a part of the shaft.',
+    tells='compare the speed with a tachometer and look at the coupling, then record again',
+)
 def whole_turns(e: Evidence) -> Verdict | None:
     # A place at an unlikely slip is no alarm, and its reasons ask for the speed.
     if e.leading.slip > UNLIKELY_SLIP or not e.whole_turns:

@@ -8,7 +8,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.rules.confidence import confidence, Trust
-from bearing_twin.diagnosis.rules.rule import rule
+from bearing_twin.diagnosis.rules.rule import EVEN, rule
 from bearing_twin.diagnosis.rules.verdict import highest_comb, say, silent
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
 from bearing_twin.diagnosis.signal.gate import CONVERTER_STEPS, fastest_impacts_hz, HEALTHY_TURNS
@@ -38,7 +38,12 @@ def few_steps(e: Evidence) -> Verdict | None:
     return silent(e, text)
 
 
-@rule('suspect', 'No load modulates noise so much: impacts or bursts, whatever their period.')
+@rule(
+    'suspect',
+    'No load modulates noise so much: impacts or bursts, whatever their period.',
+    tells='check lubrication, bearing currents, rubs and looseness; check bearing and speed, and '
+    'record again',
+)
 def bursts(e: Evidence) -> Verdict | None:
     if e.kurtosis <= KURTOSIS:
         return None
@@ -54,6 +59,8 @@ def bursts(e: Evidence) -> Verdict | None:
     'suspect',
     'Impacts too regular for noise, however faint: of such machines two of five are damaged.',
     faint=True,
+    at_most=EVEN,
+    tells='compare with an earlier record, or measure nearer to the bearing',
 )
 def mostly_damaged(e: Evidence) -> Verdict | None:
     comb = highest_comb(e.heard)

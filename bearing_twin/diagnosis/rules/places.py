@@ -154,6 +154,7 @@ def uncertain_second(e: Evidence) -> Verdict | None:
     'Weak combs of both races that one cage makes are of no single spall.',
     faint=True,
     at_most=EVEN,
+    tells='compare with an earlier record; look for standstill, a wrong fit and bearing currents',
 )
 def both_races(e: Evidence) -> Verdict | None:
     if e.alarms or e.other_race is None:

@@ -34,6 +34,9 @@ class Rule(NamedTuple):
     it if the window shows no fault, but cannot call the machine healthy."""
     at_most: float = 1.0
     """Highest confidence of its answers."""
+    tells: str = ''
+    """Next step that tells the bearing from what else its sentence names, before anything is done
+    to the bearing; '' where the answer alone decides."""
 
 
 def rule(answer: str, why: str, **marks: Any) -> Callable[[_Apply], Rule]:

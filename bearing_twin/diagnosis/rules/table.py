@@ -87,6 +87,7 @@ DOUBTED = 0.85
 """Highest confidence of an answer at an unlikely slip: 34 of 35 such answers on simulated machines
 were right, and 0.85 is the lower end of the 95 % interval of their share (Wilson)."""
 
+TELLS = {rule.name: rule.tells for rule in RULES if rule.tells}
 FAINT = frozenset(rule.name for rule in RULES if rule.faint)
 NOTHING_SHOWS = frozenset(rule.name for rule in RULES if rule.nothing_shows)
 

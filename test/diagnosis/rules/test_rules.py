@@ -6,12 +6,22 @@ from dataclasses import replace
 from pathlib import Path
 import re
 import runpy
+from types import SimpleNamespace
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.combs.candidate import Candidate, Claims
-from bearing_twin.diagnosis.rules.confidence import confidence
+from bearing_twin.diagnosis.rules.confidence import CLAIMS, confidence
 from bearing_twin.diagnosis.rules.evidence import Evidence
-from bearing_twin.diagnosis.rules.table import decide, DOUBTED, FAINT, NOTHING_SHOWS, RULES
+from bearing_twin.diagnosis.rules.rule import EVEN
+from bearing_twin.diagnosis.rules.table import (
+    decide,
+    DOUBTED,
+    FAINT,
+    NOTHING_SHOWS,
+    RULES,
+    TELLS,
+)
+from bearing_twin.view.verdict import FAULT, next_step, SUSPECT
 import numpy as np
 import pytest
 
@@ -246,6 +256,24 @@ def test_rules_without_a_statement_are_marked():
     assert silent - NOTHING_SHOWS == {'few_steps'}
     suspect = {name for name, (_, _, level, _) in CASES.items() if level == 'suspect'}
     assert suspect & FAINT == {'both_races', 'weak_modulation', 'mostly_damaged'}
+
+
+@pytest.mark.parametrize('name', TELLS)
+def test_what_something_sound_explains_as_well_is_not_sure_and_orders_no_bearing(name):
+    evidence, result, level, faults = CASES[name]
+    clear = decide(evidence)._replace(level=level)
+    sure = replace(clear.trust, z=40.0, index=2.0, impacts=3.0, turns=2000.0)
+    clear = clear._replace(trust=sure)
+    assert clear.confidence <= EVEN or CLAIMS[clear.kind].startswith('that something strikes')
+    message = SimpleNamespace(
+        result_name=result, rule=name, level={'suspect': SUSPECT, 'fault': FAULT}[level],
+        faults=faults, stage=2.0 * (level == 'fault'), shaft_hz=25.0, shaft_hz_given=25.0,
+        velocity_rms=float('nan'),
+    )  # fmt: skip
+    assert next_step(message).casefold() == f'{TELLS[name]}.'.casefold()
+    # A vibration that is that of a damaged machine asks for more.
+    message.stage = 4.0
+    assert 'find the cause' in next_step(message).casefold() or level == 'suspect'
 
 
 def test_every_rule_has_a_case_and_a_sentence():
