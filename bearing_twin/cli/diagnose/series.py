@@ -13,6 +13,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, named_bearing, next_step, PLACES
 from bearing_twin.cli.signal_arguments import given_bearing
 from bearing_twin.cli.terminal import by_level, clear_progress, lined_up, plain, progress, wrapped
+from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, shown
@@ -120,6 +121,7 @@ def _summary(report: SeriesReport, bearing: Bearing | None) -> dict[str, Any]:
             'temperature_dB_per_K_sd': report.law.temperature.deviation,
             'temperature_learnt': report.law.temperature.known,
             'place': report.place or None,
+            'doubt': report.doubt or None,
             'reasons': list(report.reasons),
         }
     )
@@ -148,8 +150,13 @@ def _looked_for(bearing: Bearing | None, speeds: list[float]) -> list[tuple[str,
 
 def _to_do(report: SeriesReport) -> str:
     """Return the next step."""
-    unknown = report.level == 'fault' and not report.place
-    step = next_step(report.result, int(report.level == 'fault'), urgent=unknown)
+    alarm = report.level == 'fault'
+    step = next_step(
+        report.result,
+        int(alarm),
+        urgent=alarm and not report.place and not report.doubt,
+        tells=TELLS.get(report.doubt, ''),
+    )
     return step[0].upper() + step[1:]
 
 

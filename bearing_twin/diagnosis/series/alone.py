@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS, PLACES
 from bearing_twin.diagnosis.machine.level import raised
+from bearing_twin.diagnosis.rules.table import RULES
 from bearing_twin.diagnosis.signal.severity import of_length
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 CONFIRMING = 5
 """Number of snapshots whose median is judged: two of five may be disturbed."""
+
+_WHY = {rule.name: rule.why.rstrip('.') for rule in RULES if rule.answer == 'ambiguous'}
 
 NEWEST = 2 * CONFIRMING - 1
 """Number of answers that are kept: the level that ``CONFIRMING`` reach is their median."""
@@ -53,18 +56,24 @@ class Answers:
     >>> answers = Answers([['fault', 'outer', '']] * 5 + [['none', '', 'too short']] * 4)
     >>> answers.level, answers.place, str(answers)
     ('fault', 'outer', '5 of the last 9 snapshots alone say outer, fault')
+    >>> doubted = Answers([['fault', 'masked_by_shaft', 'outer']] * 5)
+    >>> doubted.place, doubted.doubt, str(doubted).partition('; ')[2][:34]
+    ('', 'masked_by_shaft', '5 of them are ambiguous (outer: An')
 
     """
 
     newest: list[list[str]] = field(default_factory=list)
-    """Level, faulty place ('' if none or several) and first reason of each answer."""
+    """Level, faulty place ('' if none or several) and first reason of each answer; of an ambiguous
+    one the rule that decided and the places that it leaves open."""
 
     def add(self, answer: Diagnosis) -> None:
         """Take an answer."""
-        # An ambiguous alarm names no single place.
-        place = answer.result if answer.result in PLACES and answer.level == 'fault' else ''
+        named: str = answer.result if answer.result in PLACES and answer.level == 'fault' else ''
         reason = answer.reasons[0] if answer.reasons else ''
-        self.newest.append([answer.level, place, reason])
+        if answer.rule in _WHY and answer.faults:
+            # It may be about a place and something else.
+            named, reason = answer.rule, ' or '.join(answer.faults)
+        self.newest.append([answer.level, named, reason])
         del self.newest[:-NEWEST]
 
     @property
@@ -76,8 +85,20 @@ class Answers:
     @property
     def place(self) -> str:
         """Place that ``CONFIRMING`` of the newest answers name as a fault; '' if there is none."""
-        named = Counter(place for _, place, _ in self.newest if place).most_common(1)
+        named = Counter(place for _, place, _ in self.newest if place in PLACES).most_common(1)
         return named[0][0] if named and named[0][1] >= CONFIRMING else ''
+
+    @property
+    def doubt(self) -> str:
+        """Rule by which most of the answers that make the level name no place; '' of none."""
+        rules = [named if named in _WHY else '' for said, named, _ in self.newest
+                 if self._agrees(said)]  # fmt: skip
+        rule, count = Counter(rules).most_common(1)[0] if rules else ('', 0)
+        return rule if 2 * count > len(rules) else ''
+
+    def _agrees(self, said: str) -> bool:
+        """Whether the level of an answer is at least that of the series."""
+        return LEVELS.index(said) >= LEVELS.index(self.level)
 
     def __str__(self) -> str:
         """Return the common answer in words, or why there is none."""
@@ -87,8 +108,13 @@ class Answers:
             if len(mute) < CONFIRMING:
                 return ''
             return f'{len(mute)} {of} say nothing ({Counter(mute).most_common(1)[0][0]})'
-        place, rank = self.place, LEVELS.index(level)
-        agree = [said for said, *_ in self.newest if LEVELS.index(said) >= rank]
+        place = self.place
+        agree = [answer for answer in self.newest if self._agrees(answer[0])]
         if place:
-            agree = [said for said, named, _ in self.newest if named == place]
-        return f'{len(agree)} {of} say {place and f"{place}, "}{level}'
+            agree = [answer for answer in self.newest if answer[1] == place]
+        text = f'{len(agree)} {of} say {place and f"{place}, "}{level}'
+        unsure = Counter((places, rule) for _, rule, places in agree if rule in _WHY)
+        if not unsure:
+            return text if place or level == 'ok' else f'{text}; the last: {agree[-1][2]}'
+        (places, rule), _ = unsure.most_common(1)[0]
+        return f'{text}; {unsure.total()} of them are ambiguous ({places}: {_WHY[rule]})'

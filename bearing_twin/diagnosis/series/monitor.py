@@ -359,6 +359,7 @@ class SeriesMonitor:
         if self._bearing is not None and self._kept.held in ('suspect', 'fault'):
             comb = self._loud.place(self._bearing, self._quiet) or self._kept.strong
             place = self._kept.answers.place or (comb.place if comb else '')
+        alone = self._kept.held in ('suspect', 'fault') and math.isnan(self._kept.risen)
         change = self._change(self._kept.risen)
         warmer = math.nan
         if base is not None:
@@ -372,6 +373,7 @@ class SeriesMonitor:
             first_alarm=self._kept.alarms.get('suspect', math.nan),
             first_fault=self._kept.alarms.get('fault', math.nan),
             changes=self._kept.changes, trend=self._trend(), warmer=warmer, place=place,
+            doubt=self._kept.answers.doubt if alone and not place else '',
             law=self._laws()[0],
             reasons=self._reasons(change, warmer, comb, place),
         )  # fmt: skip

@@ -68,6 +68,8 @@ class SeriesReport:
     place: str
     """Place that the newest snapshots name alone, or else the place in the averaged envelopes
     since the change; '' without a place, and at the level 'ok'."""
+    doubt: str
+    """Rule of the ambiguous answers if these alone raised the level and name no place; else ''."""
     reasons: tuple[str, ...]
 
     @property
