@@ -89,9 +89,8 @@ class CombHarmonics:
     def clear_columns(self, order: float) -> NDArray[np.intp]:
         """Return the bands in which the comb at an order is about as high as in the best one."""
         scores, highest = self._scores.bands(self._whole, order)
-        parts = np.split(scores, len(highest))
-        shown = [part >= min(part.max(), part.max() / RIVAL) for part in parts]
-        return np.flatnonzero(np.concatenate(shown))
+        most, rows = scores[highest][:, None], scores.reshape(len(highest), -1)
+        return np.flatnonzero(rows >= np.minimum(most, most / RIVAL))
 
     def multiple(self, order: float) -> int:
         """Return the multiple of an order that is the true fundamental of its comb."""
