@@ -133,25 +133,43 @@ def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[st
         # Rules call a bearing healthy by its odds: its confidence is how far these hold.
         rules = sorted({t.trust.rule for t in rows} - {''})
         names = ('constant', 'sound') if kind == 'healthy' else (*TERMS, *rules)
-        terms = _matrix(rows, names)
-        right = np.array([t.right for t in rows])
-        # Add one right and one wrong answer, so that no kind is certain.
-        terms = np.vstack((terms, terms.mean(axis=0), terms.mean(axis=0)))
-        right = np.append(right, (True, False))
-
-        def loss(
-            values: NDArray[np.float64],
-            terms: NDArray[np.float64] = terms,
-            right: NDArray[np.bool_] = right,
-            shrink: float = _SHRINK / len(rows),
-        ) -> float:
-            total = terms @ values
-            unlikely = np.logaddexp(0.0, np.where(right, -total, total))
-            return float(unlikely.mean() + shrink * (values[1:] ** 2).sum())
-
-        found = optimize.minimize(loss, np.zeros(len(names)), bounds=_bounds(names)).x
-        weights[kind] = {name: round(float(v), 4) for name, v in zip(names, found, strict=True)}
+        weights[kind] = _logistic(rows, names, {})
     return weights
+
+
+def fit_rules(
+    told: Sequence[Told], rules: Sequence[str], weights: dict[str, dict[str, float]]
+) -> dict[str, dict[str, float]]:
+    """Return weights of which only those of some rules are fitted, and the others are kept."""
+    found = {kind: dict(known) for kind, known in weights.items()}
+    for kind, known in found.items():
+        for rule in rules:
+            rows = [t for t in told if (t.kind, t.trust.rule) == (kind, rule)]
+            if rows:
+                held = {name: weight for name, weight in known.items() if name != rule}
+                known.update(_logistic(rows, (rule,), held))
+    return found
+
+
+def _logistic(
+    rows: Sequence[Told], names: Sequence[str], held: dict[str, float]
+) -> dict[str, float]:
+    """Return the weights of terms, beside other weights that are held."""
+    terms = _matrix(rows, names)
+    offset = _matrix(rows, tuple(held)) @ np.array(list(held.values()))
+    # Add one right and one wrong answer, so that no kind is certain.
+    terms = np.vstack((terms, terms.mean(axis=0), terms.mean(axis=0)))
+    offset = np.append(offset, (offset.mean(), offset.mean()))
+    right = np.append([t.right for t in rows], (True, False))
+    shrunk = np.array([name != 'constant' for name in names])
+
+    def loss(values: NDArray[np.float64]) -> float:
+        total = offset + terms @ values
+        unlikely = np.logaddexp(0.0, np.where(right, -total, total))
+        return float(unlikely.mean() + _SHRINK / len(rows) * (values[shrunk] ** 2).sum())
+
+    found = optimize.minimize(loss, np.zeros(len(names)), bounds=_bounds(names)).x
+    return {name: round(float(value), 4) for name, value in zip(names, found, strict=True)}
 
 
 def _bounds(names: Sequence[str]) -> list[tuple[float | None, float | None]]:
@@ -323,6 +341,12 @@ def main(argv: Sequence[str] | None = None) -> None:
         default=KINDS,
         help='kinds of answers that weights are fitted for; the others keep those in use',
     )
+    parser.add_argument(
+        '--rules',
+        nargs='+',
+        choices=[rule.name for rule in RULES],
+        help='rules whose weights alone are fitted; all others stay as they are',
+    )
     which = parser.add_mutually_exclusive_group()
     which.add_argument('--weights', type=Path, help='JSON file to write: the weights')
     which.add_argument(
@@ -335,7 +359,11 @@ def main(argv: Sequence[str] | None = None) -> None:
         weights = shipped_weights()
     else:
         drawn = tasks(args.twins, args.impacts, FIRST)
-        weights = shipped_weights() | fit(_answers(args.output, drawn, args.jobs), args.kinds)
+        told = _answers(args.output, drawn, args.jobs)
+        if args.rules:
+            weights = fit_rules(told, args.rules, shipped_weights())
+        else:
+            weights = shipped_weights() | fit(told, args.kinds)
     if args.weights:
         about = 'written by python -m bearing_twin.studies.reliability'
         write_table(args.weights, {'about': about, 'weights': weights})
