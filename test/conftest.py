@@ -115,6 +115,19 @@ def compiled():
     fleet.condition(0)
 
 
+@pytest.fixture(scope='session')
+def reference(made_once):
+    """Have the reference solver in the cache, compiled by one of the processes."""
+    from bearing_twin.dynamics import preset
+    from bearing_twin.dynamics.reference import solve
+
+    def make(file):
+        solve(preset('paper'), 1)
+        file.touch()
+
+    made_once('reference', make)
+
+
 @pytest.fixture
 def ros_domain(compiled, turns, monkeypatch, tmp_path):
     """Give the test a domain, a log folder and a home of its own, on this machine only."""

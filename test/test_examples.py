@@ -16,6 +16,8 @@ import pkgutil
 import bearing_twin
 import pytest
 
+pytestmark = pytest.mark.usefixtures('reference')
+
 PACKAGE = Path(bearing_twin.__file__).parent
 
 ROOMS = ('numerics', 'bearing', 'thermal', 'dynamics', 'diagnosis', 'calibration')

@@ -17,6 +17,8 @@ import numpy as np
 import pytest
 from scipy.signal import hilbert
 
+pytestmark = pytest.mark.usefixtures('reference')
+
 RATE = 25600.0
 
 

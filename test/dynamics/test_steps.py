@@ -13,6 +13,8 @@ from bearing_twin.dynamics.single.kinematics import kinks
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.usefixtures('reference')
+
 RATE = 25600.0
 BELOW, ABOVE = FAST_HZ - 0.1, FAST_HZ + 0.1
 

@@ -19,6 +19,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+pytestmark = pytest.mark.usefixtures('reference')
+
 RATE = 25600.0
 B = find_bearing('6307')
 

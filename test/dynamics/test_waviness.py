@@ -11,6 +11,8 @@ from bearing_twin.dynamics.single.kernel import FAST_HZ
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.usefixtures('reference')
+
 RATE = 25600.0
 BANDS = (50.0, 300.0), (300.0, 1800.0), (1800.0, 10000.0)
 
