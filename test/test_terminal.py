@@ -13,7 +13,7 @@ from types import ModuleType
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import COMMANDS, main
 from bearing_twin.cli.run import NODES
-from bearing_twin.cli.terminal import tell_of_compiling
+from bearing_twin.cli.terminal import report_compiling
 from commands import python
 import numpy as np
 from probe import TIMEOUT
@@ -120,12 +120,12 @@ def run_in_terminal(words, command=COMMAND, **environment):
 
 def test_a_terminal_is_told_of_compiling_once_it_has_begun():
     script = """
-from bearing_twin.cli.terminal import tell_of_compiling
+from bearing_twin.cli.terminal import report_compiling
 from bearing_twin.numerics import compiled
 import numba
-tell_of_compiling('info')
+report_compiling('info')
 numba.njit(lambda x: x + 1)(1)
-tell_of_compiling('fit')
+report_compiling('fit')
 """
     said = run_in_terminal([script], [sys.executable, '-c'])
     assert said.count('compiling kernels') == 1
@@ -137,7 +137,7 @@ def test_a_compiler_that_is_still_being_loaded_has_compiled_nothing(monkeypatch,
     name = 'bearing_twin.numerics.compiled'
     monkeypatch.setitem(sys.modules, name, ModuleType(name))
     monkeypatch.setattr(sys.stderr, 'isatty', lambda: True)
-    tell_of_compiling('info')
+    report_compiling('info')
     assert capsys.readouterr().err == ''
 
 

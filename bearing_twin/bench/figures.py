@@ -44,12 +44,16 @@ FIGURES = {
     'offline_ratio': Figure('', "time of the same twin's equations alone over that", '> 0.5'),
     'offline_kernel_ratio': Figure(
         '',
-        "of the twin of kernel_rtf: its equations' time at 20 degC over an offline run's",
+        'time of the equations of the kernel_rtf twin at 20 degC over an offline run',
         '> 0.5',
     ),
     'verify_rtf': Figure('s/s', 'recorded seconds that are re-run and compared a second', '> 1'),
-    'verify_ratio': Figure('', 'the same of the re-run', '> 0.5'),
-    'verify_kernel_ratio': Figure('', 'the same of a re-run of that twin', '> 0.5'),
+    'verify_ratio': Figure(
+        '', "time of the same twin's equations alone over that of a re-run", '> 0.5'
+    ),
+    'verify_kernel_ratio': Figure(
+        '', 'time of the equations of the kernel_rtf twin over a re-run', '> 0.5'
+    ),
     'view_load': Figure('cores', 'share of a core that drawing for live viewers takes', '< 0.15'),
     'view_file_load': Figure('cores', 'share of a core that drawing to a file takes', '< 0.15'),
     'view_bytes_per_second': Figure('B/s', 'size of a Rerun file by recorded second'),

@@ -23,7 +23,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import mend_streams, tell_of_compiling
+from bearing_twin.cli.terminal import mend_streams, report_compiling
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 
@@ -34,7 +34,7 @@ __all__ = ['COMMANDS', 'main']
 
 COMMANDS = {
     'bearings': 'look up a bearing: fault orders, geometry, source',
-    'bench': 'measure on this machine what the project promises',
+    'bench': 'measure speed and load on this machine, with their targets',
     'benchmark': 'score the diagnosis on a folder of labelled records',
     'compile': 'compile the kernels now, which their first use does otherwise',
     'demo': 'run twin, diagnosis and recorder on a temperature recording and show the result',
@@ -43,7 +43,7 @@ COMMANDS = {
     'info': 'show what is inside a recording and how sound it is',
     'paper': 'recompute every figure and claim of the seed paper and judge it',
     'play': 'publish a vibration file as a sensor would, in real time',
-    'recover': 'save what is complete in a torn recording',
+    'recover': 'save the complete messages of a damaged recording',
     'replay': 'publish a recording again, or run it offline through twin and diagnosis',
     'report': 'show a recording on one HTML page, to be mailed and printed',
     'run': 'run a node, as ros2 run does, with the same arguments',
@@ -108,7 +108,7 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         gc.set_threshold(20_000, 20, 20)
         # From here on an interrupt may lose work; nodes handle interrupts themselves.
         begin()
-    slow = threading.Timer(SLOW, tell_of_compiling, [args.command])
+    slow = threading.Timer(SLOW, report_compiling, [args.command])
     slow.daemon = True
     if args.command not in {'compile', 'demo', 'run'}:
         # These three report it themselves.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.assets.calibration.task import beside
 from bearing_twin.assets.messages import diagnosis_message, spectrum_message
 from bearing_twin.dynamics.equations.sensor_path import BAND_HZ
-from bearing_twin.view.report.fitted import draw_over_each_other
+from bearing_twin.view.report.fitted import draw_comparison
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import STYLE
 from bearing_twin.view.spectrum import SpectrumPicture
@@ -58,7 +58,7 @@ def draw_calibration(
         *pair, lower = figure.subplots(3, 1)
         figure.suptitle(found.statement)
         steps = BAND_HZ, 1.0 / found.situation.sample_rate
-        draw_over_each_other(pair, (found.spectrum, spectrum), turns, steps, found.sensor_unit)
+        draw_comparison(pair, (found.spectrum, spectrum), turns, steps, found.sensor_unit)
         width = found.quantities['defect_width_mm']
         # Behind the candidates. It may reach beyond them, since few candidates end too early.
         lower.axvspan(width.q05, width.q95, color='#bbdefb', label='5 to 95 %')

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
-SAID = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
+SIGNAL_OPTIONS = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
 """Options that describe vibration files."""
 FASTEST = 1e5
 """Upper limit of the shaft speed, Hz."""
@@ -111,7 +111,7 @@ def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path)
     """
     if not any(map(_is_signal, paths)):
         kinds = f'{", ".join(SIGNAL_FILES)} and Parquet sets'
-        refuse_given(args, SAID, f'for {kinds} only; a recording says it itself')
+        refuse_given(args, SIGNAL_OPTIONS, f'for {kinds} only; a recording says it itself')
     # Each has a folder of its own, since files may have the same name.
     return [_as_recording(path, args, folder / str(k)) for k, path in enumerate(paths)]
 

@@ -46,7 +46,7 @@ def mend_streams() -> None:
         sys.stdout.reconfigure(errors='backslashreplace')
 
 
-def tell_of_compiling(command: str) -> None:
+def report_compiling(command: str) -> None:
     """
     Report on a terminal that this process is compiling kernels, if it is.
 

@@ -124,7 +124,7 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
     paths = as_recordings(args.recordings, args, folder)
     pictures = [path for path in paths if path.suffix == '.rrd']
     if pictures and len(paths) > 1:
-        msg = f'{pictures[0]} is a picture; side by side go the MCAP recordings behind pictures'
+        msg = f'{pictures[0]} is a picture; only MCAP recordings can be shown side by side'
         raise BearingTwinError(msg)
     if args.save and args.save.exists():
         msg = f'{args.save} exists and is not overwritten; name another file'

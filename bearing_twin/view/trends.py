@@ -81,7 +81,7 @@ class Limit(NamedTuple):
 
 
 ZERO = Limit('zero', 0.0, look='ground')
-LOUD = Limit(f'zone D of every machine above {HIGHEST_LIMIT:g}', HIGHEST_LIMIT, 'D')
+ZONE_D_ANY_MACHINE = Limit(f'zone D of every machine above {HIGHEST_LIMIT:g}', HIGHEST_LIMIT, 'D')
 
 
 def zone_limits(power_group: object, mounting: object) -> tuple[Limit, ...]:
@@ -101,7 +101,7 @@ def zone_limits(power_group: object, mounting: object) -> tuple[Limit, ...]:
     # Compared, not looked up: values in a recording may be unhashable.
     limits = next((v for key, v in ISO_LIMITS.items() if key == (power_group, mounting)), None)
     if limits is None:
-        return (LOUD,)
+        return (ZONE_D_ANY_MACHINE,)
     return tuple(
         Limit(f'zone {zone} above {value:g}', value, zone)
         for zone, value in zip('BCD', limits, strict=True)
@@ -123,7 +123,7 @@ class Panel:
     """Keys of the two quantities between which the report fills the area."""
 
     @property
-    def besides(self) -> tuple[Trend, ...]:
+    def other_trends(self) -> tuple[Trend, ...]:
         """Quantities that a title has to name, since it is that of the first."""
         others = () if self.band else self.trends[1:]
         return tuple(trend for trend in others if trend.field not in PER_FAMILY)
@@ -131,7 +131,7 @@ class Panel:
     @property
     def named(self) -> str:
         """Title with name and colour of these quantities: a legend would cover lines."""
-        return ', '.join([self.title, *(trend.named for trend in self.besides)])
+        return ', '.join([self.title, *(trend.named for trend in self.other_trends)])
 
 
 PER_FAMILY = ('score', 'modulation_index')
@@ -255,7 +255,7 @@ DIAGNOSIS = (
 CALIBRATION = (
     Panel(
         'residual',
-        'What the twin does not explain [limits]',
+        'Residual of the fitted twin [limits]',
         (Trend('residual', 'residual', LINE['orange'], 'residual'),),
         (Limit('alarm above 1', 1.0),),
         from_zero=True,

@@ -122,7 +122,7 @@ def confidence(diagnosis: Any) -> tuple[str, str]:
     # 100 % is never printed: nothing is certain.
     share = '> 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
     if sure == UNKNOWN and not faults and kind != 'healthy':
-        return share, '(no simulation tells)'
+        return share, '(not checked by simulation)'
     return share, CLAIMS[kind]
 
 

@@ -168,7 +168,7 @@ def test_nothing_is_certain():
         ('suspect', ['outer'], 'smooth', 0.9, '90 % that the bearing is damaged'),
         ('ambiguous', ['outer', 'ball'], '', 0.9, '90 % that one of these places is damaged'),
         # The level asks for it, and no comb does.
-        ('ambiguous', [], 'healthy', 0.5, '50 % (no simulation tells)'),
+        ('ambiguous', [], 'healthy', 0.5, '50 % (not checked by simulation)'),
         ('healthy', [], '', 0.9, '90 % that no part is damaged'),
     ],
 )

@@ -73,7 +73,7 @@ def _table(answer: dict[str, Any]) -> list[str]:
         found, expected = evidence['found_hz'].get(place), frequencies.impacts(place)
         text = f'{place:<6}{_ORDERS[place]:<7}{expected:7.2f}{expected / shaft_hz:7.3f}'
         if found is None:
-            rows.append(f'{text}   none looked for')
+            rows.append(f'{text}   not searched')
             continue
         off = found / expected - 1.0
         text += f'{found:9.2f}{found / shaft_hz:7.3f} {off:+7.2%}'

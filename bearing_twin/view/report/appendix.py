@@ -49,7 +49,10 @@ TERMS = (
     ('level', 'root mean square (rms) of the acceleration'),
     ('velocity', 'root mean square of 10 to 1000 Hz, by which ISO 20816-3 judges a machine'),
     ('crest factor', 'largest magnitude over rms'),
-    ('kurtosis', '3 for noise, more for impacts; falls again late, so it is no measure of damage'),
+    (
+        'kurtosis',
+        '3 for noise, more for impacts; falls again in late damage, so it is no measure of it',
+    ),
     ('ISO 20816-3 zone', 'A new, B long operation, C limited operation, D damage is possible'),
     ('beta0', "the paper's factor of temperature on contact stiffness and defect depth"),
     ('K_b, C_d', 'Hertz contact stiffness and defect depth in use'),

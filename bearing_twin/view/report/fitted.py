@@ -25,7 +25,7 @@ TWIN: dict[str, Any] = {'color': '#1565c0', 'label': 'twin', 'linewidth': 0.7}
 """The twin's line is drawn over the machine's and is thinner, so that both are seen."""
 
 
-def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
+def fitted_figure(machine: Machine) -> tuple[str, Figure] | None:
     """Draw spectrum and one revolution of the newest calibration that has them."""
     found = [m for _, m in machine.calibrations if len(getattr(m, 'measured_turn', ()))]
     if not found:
@@ -35,7 +35,7 @@ def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
     spectra = message.measured_spectrum, message.twin_spectrum
     turns = message.measured_turn, message.twin_turn
     steps = message.spectrum_step, 1.0 / message.turn_rate
-    draw_over_each_other(figure.subplots(1, 2), spectra, turns, steps, message.unit)
+    draw_comparison(figure.subplots(1, 2), spectra, turns, steps, message.unit)
     return (
         f'Machine and fitted twin: {message.distance:.1f} dB apart in the spectrum (not fitted '
         f'{message.distance_before:.1f} dB). The twin is shown at the angle where it is most '
@@ -44,7 +44,7 @@ def over_each_other(machine: Machine) -> tuple[str, Figure] | None:
     )
 
 
-def draw_over_each_other(
+def draw_comparison(
     axes: Iterable[Axes], spectra: Any, turns: Any, steps: tuple[float, float], unit: str
 ) -> None:
     """Draw spectra in dB and one revolution of machine and twin, with ``steps`` in Hz and s."""

@@ -42,7 +42,7 @@ PRINTED = 2
 """Largest number of machines printed in detail: the most urgent ones, two sheets each."""
 OVERVIEW = ('Found', 'Stage', 'Level', 'Velocity', 'Next step')
 """Columns of the table of several machines, after machine and verdict."""
-ON_BANNER = ('Found', 'Next step')
+BANNER_FACTS = ('Found', 'Next step')
 """Facts on the banner, which are not repeated below it."""
 
 
@@ -121,7 +121,7 @@ def _machine(machine: Machine, prefix: str) -> list[str]:
     return [
         _banner(machine, worst),
         '<div class="columns">',
-        table(row for row in facts(worst) if row[0] not in ON_BANNER),
+        table(row for row in facts(worst) if row[0] not in BANNER_FACTS),
         table(_measurement(machine, worst)),
         '</div>',
         _families(worst),

@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.vocabulary import TITLES
 from bearing_twin.stamps import time_unit
-from bearing_twin.view.report.fitted import explained, over_each_other
+from bearing_twin.view.report.fitted import explained, fitted_figure
 from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
 from bearing_twin.view.report.svg import (
     BINS,
@@ -54,7 +54,7 @@ def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
 
 def appended_figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
     """Return the figures of the appendix like :func:`figures`."""
-    return _all(machine, prefix, (_spectrum, _other_evidence, _model, explained, over_each_other))
+    return _all(machine, prefix, (_spectrum, _other_evidence, _model, explained, fitted_figure))
 
 
 def _all(
@@ -386,7 +386,7 @@ def _panels(
         of = {trend.key: values for trend, values in lines}
         if panel.band and of.keys() >= set(panel.band):
             axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
-        besides = [trend.named for trend, _ in lines if trend in panel.besides]
+        besides = [trend.named for trend, _ in lines if trend in panel.other_trends]
         # No-break spaces keep a name and its colour together when the title is wrapped.
         whole = (name.replace(' ', '\N{NO-BREAK SPACE}') for name in besides)
         title = ', '.join([panel.title, *whole]).replace('[unit]', f'[{pretty(unit)}]')

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 ARRIVAL = 'message_log_time'
 """Timeline that Rerun gives every message of an MCAP file."""
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
-STANDING = frozenset(
+LATCHED_TYPES = frozenset(
     {'bearing_twin_msgs/msg/Checkpoint', 'rcl_interfaces/msg/Log', 'std_msgs/msg/String'}
 )
 """Message types that stay valid: they are drawn even if sent before the vibration."""
@@ -164,7 +164,7 @@ def _draw(
         return unread
     messages = read_messages(info.path, topics=topics, recover=True, problems=[])
     for count, message in enumerate(messages):
-        if message.log_time < begin and message.type_name not in STANDING:
+        if message.log_time < begin and message.type_name not in LATCHED_TYPES:
             continue
         try:
             decoded = message.decode()

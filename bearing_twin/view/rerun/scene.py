@@ -93,12 +93,12 @@ class Scene:
         if self._sensor is None:
             self._sensor = sensor
         elif name == 'vibration':
-            self._sensor.stand_apart()
+            self._sensor.detach_from_verdict()
             self.asset.source.forget_vibration()
             self.asset.over_temperature.forget()
             self._sensor = sensor
         else:
-            sensor.stand_apart()
+            sensor.detach_from_verdict()
 
     def flush(
         self, complain: Callable[[str, Exception], None], *, slow: bool, last: bool = False

@@ -83,7 +83,7 @@ class Waveform(Picture):
         self._step: int | None = None
         self._source, self._over, self._apart = asset.source, asset.over_temperature, False
 
-    def stand_apart(self) -> None:
+    def detach_from_verdict(self) -> None:
         """Become a sensor other than the verdict's, with a source and means of its own."""
         self._source, self._over, self._apart = Source(), OverTemperature(), True
 
