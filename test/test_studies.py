@@ -91,7 +91,7 @@ def test_a_name_at_an_unlikely_slip_counts_like_any_other():
     case, said = judge_case('impacts', 4_800_171, misled=True)
     assert (said.faults, said.level) == ((case.condition,), 'suspect')
     assert 0.5 < said.confidence <= DOUBTED
-    told = reliability.tell(case, said)
+    told = reliability.rate_answer(case, said)
     assert (told.kind, told.right) == ('suspect', True)
 
 
@@ -114,7 +114,7 @@ def test_weights_of_the_confidence_are_those_of_the_answers():
     for kind in KINDS:
         for z in rng.uniform(3.0, 20.0, 400):
             sound = rng.random() < special.expit(2.0 * (2.0 - np.log(z)))
-            told.append(reliability.Told(kind, Trust(z=z), sound == (kind == 'healthy')))
+            told.append(reliability.RatedAnswer(kind, Trust(z=z), sound == (kind == 'healthy')))
     weights = reliability.fit(told)
     for kind in KINDS:
         # The odds of a sound bearing fall about as fast as the significance rises.
@@ -127,7 +127,7 @@ def test_weights_of_the_confidence_are_those_of_the_answers():
 def test_two_rules_of_one_answer_are_not_right_equally_often():
     """A rule that is right in 3 of 10 answers beside one that is in 9 of 10, at the same combs."""
     told = [
-        reliability.Told(kind, Trust(z=8.0, rule=rule), number % 10 < right)
+        reliability.RatedAnswer(kind, Trust(z=8.0, rule=rule), number % 10 < right)
         for kind in KINDS
         for rule, right in (('sure', 9), ('unsure', 3))
         for number in range(400)

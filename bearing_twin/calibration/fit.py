@@ -20,14 +20,14 @@ from bearing_twin.calibration.answer.estimates import (
 from bearing_twin.calibration.answer.impacts import gear, impacts_of
 from bearing_twin.calibration.answer.refusals import (
     copied,
-    half_as_often,
+    half_frequency,
     Kind,
     no_impacts,
     Refusal,
     too_wide,
     unresolved,
-    untold,
-    with_farther,
+    width_not_determined,
+    with_longest_spacing,
 )
 from bearing_twin.calibration.answer.result import Calibration, in_words
 from bearing_twin.calibration.candidates import posterior
@@ -250,10 +250,12 @@ def _fitted(
     seen = None
     if defective:
         refusal = no_impacts(x, situation) if named else None
-        refusal = refusal or half_as_often(x, situation)
+        refusal = refusal or half_frequency(x, situation)
         turning = gear(x, situation.sample_rate, measured)
         # A defect beside a gear may be wider than the distance of the gear's impacts.
-        refusal = refusal or (turning and with_farther(turning, whole, measured, situation))
+        refusal = refusal or (
+            turning and with_longest_spacing(turning, whole, measured, situation)
+        )
         refusal = refusal or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
         refusal = refusal or copied(x, situation, measured)
@@ -321,7 +323,7 @@ def _defect(
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
     # Two impacts are separate if a resonance that they excite oscillates between them.
     fastest = fastest_resonance(x, situation.sample_rate, measured.spacing)
-    refusal = untold(left, situation, fastest)
+    refusal = width_not_determined(left, situation, fastest)
     # Either the impacts are those of a passage or they hide it: both cases are equally likely.
     if refusal is not None and refusal.kind is not Kind.MANY_WIDTHS:
         left = left.or_else(posterior.limit(measured, situation, candidates=candidates, seed=seed))

@@ -7,10 +7,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.answer.estimates import next_ball, taken_off
+from bearing_twin.calibration.answer.estimates import next_ball, spacing_shortfall
 from bearing_twin.calibration.answer.impacts import follows_speed, ringing
 from bearing_twin.calibration.answer.refusals import Kind
-from bearing_twin.calibration.answer.result import Estimate, in_words, UNTOLD
+from bearing_twin.calibration.answer.result import Estimate, in_words, UNBOUNDED_REASONS
 from bearing_twin.calibration.candidates.posterior import weighted_quantile
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -32,7 +32,7 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
 
     If the time between the impacts is the same at another speed, they are ringing, not a passage.
     If their distance on the race is the same, they are a passage, even if the record alone is
-    doubtful. The width is then their distance plus `taken_off`.
+    doubtful. The width is then their distance plus `spacing_shortfall`.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     scale = 1e3 * here.speed / here.shaft_hz
     low, high = (f'{end(each.shaft_hz for each in seen[1:]):.1f}' for end in (min, max))
     speeds = low if low == high else f'{low} to {high}'
-    most, middle = (1e3 * taken_off(here, share) for share in (0.95, 0.5))
+    most, middle = (1e3 * spacing_shortfall(here, share) for share in (0.95, 0.5))
     return Estimate(
         # As for one record: the impacts are at the edges themselves, less the half width of one.
         q05=max(0.0, scale * float((turns - lobes).min())),
@@ -169,5 +169,5 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     )
     if all(each.refusal is Kind.NO_IMPACTS for each in found):
         return found, width, found[0].statement
-    unlimited = [each.refusal for each in found if each.refusal in UNTOLD]
+    unlimited = [each.refusal for each in found if each.refusal in UNBOUNDED_REASONS]
     return found, width, in_words(places[0], width, *unlimited[:1])

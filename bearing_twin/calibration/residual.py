@@ -50,12 +50,11 @@ power. It falls faster for normal differences and for Student's t with six degre
 MEMORY = 1.5
 """Decisions this many memories apart count as independent: see `_memory`. An exponential
 correlation has then fallen to 0.05."""
-SHORT = 100
+ENOUGH_DECISIONS = 100
 """Healthy decisions, times the root of the memory, that show a slow part of a difference which is
 as large as the random part. With fewer the limit is wider in proportion."""
-BEFORE, LATELY = 30, 10
-"""A step is the difference from the mean of `BEFORE` decisions that ended `LATELY` decisions ago.
-"""
+STEP_MEAN, STEP_GAP = 30, 10
+"""A step is the difference from a mean: of `STEP_MEAN` decisions that ended `STEP_GAP` ago."""
 HISTORY = 128
 """Most decisions that a run may span; a band that varies too slowly for this is not judged."""
 MOVED = 0.02
@@ -232,7 +231,7 @@ class Residual:
         """Compare a decision with the healthy ones."""
         alike = names == self.names
         if alike:
-            self.recent = [*self.recent, np.float32(difference)][-HISTORY - BEFORE - LATELY :]
+            self.recent = [*self.recent, np.float32(difference)][-HISTORY - STEP_MEAN - STEP_GAP :]
         if not alike or len(self.rows) < LEAST:
             count = len(self.rows) if alike else 0
             return _nothing(f'{count} healthy decisions of {LEAST} that a limit needs')
@@ -240,7 +239,7 @@ class Residual:
             return _nothing(f'{len(self.recent)} decisions of {LEAST_RUN} that an alarm needs')
         self._learn_limits()
         deep = max(limits.deep for limits in self._limits)
-        recent = np.array(self.recent[-deep - BEFORE - LATELY :], np.float64)
+        recent = np.array(self.recent[-deep - STEP_MEAN - STEP_GAP :], np.float64)
         said = ('is {:.0f} dB {} what the twin explains', ('over', 'under')), (
             'has {1} by {0:.0f} dB within the hour', ('risen', 'fallen'),
         )  # fmt: skip
@@ -420,10 +419,12 @@ def _nothing(reason: str) -> Unexplained:
 
 
 def _steps(rows: FloatArray) -> FloatArray:
-    """Return each decision less the mean of earlier ones: see `BEFORE`; shape (n - 40, m)."""
+    """Return each decision less the mean of earlier ones: see `STEP_MEAN`; shape (n - 40, m)."""
     sums = np.cumsum(np.concatenate([np.zeros((1, rows.shape[1])), rows]), axis=0)
-    means = (sums[BEFORE:] - sums[:-BEFORE]) / BEFORE
-    return np.asarray(rows[BEFORE + LATELY :] - means[: max(len(rows) - BEFORE - LATELY, 0)])
+    means = (sums[STEP_MEAN:] - sums[:-STEP_MEAN]) / STEP_MEAN
+    return np.asarray(
+        rows[STEP_MEAN + STEP_GAP :] - means[: max(len(rows) - STEP_MEAN - STEP_GAP, 0)]
+    )
 
 
 @dataclass(frozen=True)
@@ -492,7 +493,7 @@ def _limits(rows: FloatArray, allowed: float) -> _Limits:
     apart = np.ceil(1.0 + MEMORY * (memory - 1.0) - 1e-9)
     centre[(LEAST_RUN - 1) * apart >= HISTORY] = math.nan
     reach = np.stack([rows.max(axis=0) - centre, centre - rows.min(axis=0)])
-    wider = np.maximum(SHORT * np.sqrt(apart) / count, 1.0)
+    wider = np.maximum(ENOUGH_DECISIONS * np.sqrt(apart) / count, 1.0)
     reach = np.maximum(reach, LEAST_DB) * wider + allowed
     runs = np.arange(LEAST_RUN, MOST_RUN + 1)[:, None]
     # Two sides times differences and steps, and every length of a run.

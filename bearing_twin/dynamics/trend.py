@@ -8,7 +8,7 @@ from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.dynamics.equations.statics import upwards
+from bearing_twin.dynamics.equations.statics import against_load
 from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
@@ -87,7 +87,7 @@ def amplitude_change(parameters: TwinParameters, shaft_hz: float) -> float:
     if shaft_hz < 1.0:
         return math.nan
     quiet = replace(parameters, jitter=0.0, noise=0.0, slip_model='none')
-    (up_x, up_y), found = upwards(quiet), []
+    (up_x, up_y), found = against_load(quiet), []
     for temperature in (TABLE_LOW, TABLE_HIGH):
         simulator = Simulator(quiet, sample_rate=RATE, temperature=temperature, shaft_hz=shaft_hz)
         simulator.advance(int(SETTLING * RATE), temperature, shaft_hz)

@@ -116,7 +116,7 @@ class Study:
     ramp: Mapping[str, FloatArray]
     """Amplitude in each tenth of a run with a linear temperature ramp from 20 to 110 degC over ten
     beats of f_in against 5 f_r, by preset, m/s^2, shape (10,)."""
-    forgotten: Mapping[str, float]
+    initial_state_effect: Mapping[str, float]
     """Relative change of the amplitude at 20 degC if the run was at 110 degC instead of 20 before
     t = 0, by preset."""
     literature: Mapping[str, FloatArray]
@@ -186,7 +186,7 @@ def run_study(*, processes: int) -> Study:
             )
             for f, t in product(factors, (cold, hot))
         }),
-        'forgotten': (only_amplitude, {
+        'initial_state_effect': (only_amplitude, {
             (p, was): RunSpec(preset=p, factor='all', temperature=cold, was=was)
             for p, was in product(names, (cold, hot))
         }),
@@ -229,7 +229,7 @@ def run_study(*, processes: int) -> Study:
         },
         window={f: change('window', f) for f in factors},
         ramp=found['ramp'],
-        forgotten={p: change('forgotten', p) for p in names},
+        initial_state_effect={p: change('initial_state_effect', p) for p in names},
         literature={
             name: np.array([change('literature', name, *each) for each in settings_of_models])
             for name in settings.PUBLISHED_MODELS

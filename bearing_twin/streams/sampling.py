@@ -23,7 +23,7 @@ LONGEST_ESTIMATE = 4 * ESTIMATE_FROM
 """Longest time from the first to the last of these stamps, in median steps. A longer time contains
 a pause or a clock step, and the memory of the estimate grows with it."""
 
-USUAL = 64
+MEDIAN_STEPS = 64
 """Number of stamp steps in the median; it does not move while less than half of them are gaps."""
 
 LONGEST_GAP = 3600 * NANO
@@ -32,7 +32,7 @@ LONGEST_GAP = 3600 * NANO
 MOST_MESSAGES = 1_000_000
 """Step of a message number above which the publisher was restarted."""
 
-FOLLOW = 0.02
+TRACKING_GAIN = 0.02
 """Fraction of a stamp's deviation that corrects the expected time of the next stamp."""
 
 LEAST_TOLERATED, MOST_TOLERATED = 0.5, 1.5
@@ -87,7 +87,7 @@ class StampTracker:
         self._expected: float | None = None
         self._jitter = 0.12  # start value, low enough to detect a single loss
         self._last: int | None = None
-        self._steps: deque[int] = deque(maxlen=USUAL)
+        self._steps: deque[int] = deque(maxlen=MEDIAN_STEPS)
 
     @property
     def usual_rate(self) -> float:
@@ -128,8 +128,8 @@ class StampTracker:
             gap = (round(error / period) or -1) if error <= LONGEST_GAP else -1
             self._expected = float(stamp)
             error = 0.0
-        self._jitter += FOLLOW * (abs(error) / period - self._jitter)
-        self._expected += period + FOLLOW * error
+        self._jitter += TRACKING_GAIN * (abs(error) / period - self._jitter)
+        self._expected += period + TRACKING_GAIN * error
         return gap
 
     def _estimate(self, stamp: int) -> None:

@@ -158,7 +158,7 @@ class NodeStates:
     def release(self) -> None:
         """Release the files for other nodes once the newest states are written."""
         for state in self._kept:
-            self.disk.do(state.let_go)
+            self.disk.do(state.release_lock)
         if self.disk.busy and not self.disk.settle():
             held = ', '.join(str(state.path) for state in self._kept if state.claimed)
             self._log(f'{SILENT}: not written, and claimed until it has: {held or "nothing"}')
@@ -311,7 +311,7 @@ class KeptState:
                 found = self._learnt()
         except (BearingTwinError, OSError):
             # The file may belong to a node that starts next.
-            self.let_go()
+            self.release_lock()
             raise
         self._taken_up = found is None
         return found
@@ -366,7 +366,7 @@ class KeptState:
             raise
         self._log(f'{why}; it is kept as {aside}; it is learnt anew')
 
-    def let_go(self) -> None:
+    def release_lock(self) -> None:
         """Release the lock; called in the thread after the last write."""
         if self._lock is not None:
             self._lock.close()

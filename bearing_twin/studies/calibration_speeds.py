@@ -106,7 +106,7 @@ def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
             if kind.endswith('gear'):
                 turns = 2.0 * np.pi * teeth * here.shaft_hz * np.arange(len(x)) / rate
                 tones = [np.cos(k * turns + rng.uniform(0.0, 6.3)) / k for k in range(1, 6)]
-                x += mesh * _felt(np.sum(tones, axis=0), rate, modes)
+                x += mesh * _force_response(np.sum(tones, axis=0), rate, modes)
         else:
             x = ring(x, rate, modes)
         if kind != 'twins':
@@ -157,11 +157,11 @@ def _soft(
             change[first : first + ramp] -= height / ramp
             change[max(last, first + ramp - 1)] += height
             impacts[last] += height
-    exits, loads = (_felt(force, rate, modes) for force in (impacts, np.cumsum(change)))
+    exits, loads = (_force_response(force, rate, modes) for force in (impacts, np.cumsum(change)))
     return np.asarray(exits + 10.0 ** (-faint_db / 20.0) * loads)
 
 
-def _felt(force: FloatArray, rate: float, modes: list[tuple[float, ...]]) -> FloatArray:
+def _force_response(force: FloatArray, rate: float, modes: list[tuple[float, ...]]) -> FloatArray:
     """Return the acceleration by a force, standard deviation 1; a steady force causes none."""
     x = ring(np.diff(force, 2, prepend=(0.0, 0.0)), rate, modes)
     # A slot so narrow that no ball is unloaded causes none.

@@ -88,7 +88,7 @@ Task: TypeAlias = tuple[str, int, bool]
 """Model, number, and whether the diagnosis is misled."""
 
 
-class Told(NamedTuple):
+class RatedAnswer(NamedTuple):
     """One answer of the diagnosis, and whether it is right."""
 
     kind: str
@@ -96,7 +96,7 @@ class Told(NamedTuple):
     right: bool
 
 
-def tell(case: Machine, said: Diagnosis) -> Told | None:
+def rate_answer(case: Machine, said: Diagnosis) -> RatedAnswer | None:
     """Return an answer with its kind, and whether it is right; None if not rated."""
     if said.rule in UNRATED:
         return None
@@ -114,15 +114,15 @@ def tell(case: Machine, said: Diagnosis) -> Told | None:
         right = said.faults == (case.condition,)
     else:
         right = case.condition in said.faults
-    return Told(kind, said.trust, right)
+    return RatedAnswer(kind, said.trust, right)
 
 
-def _matrix(told: Sequence[Told], names: Sequence[str]) -> NDArray[np.float64]:
+def _matrix(told: Sequence[RatedAnswer], names: Sequence[str]) -> NDArray[np.float64]:
     rows = (t.trust.terms() for t in told)
     return np.array([[row.get(name, 0.0) for name in names] for row in rows])
 
 
-def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[str, float]]:
+def fit(told: Sequence[RatedAnswer], kinds: Sequence[str] = KINDS) -> dict[str, dict[str, float]]:
     """Return the weights of the terms for each kind of answer, by logistic regression."""
     weights = {}
     for kind in kinds:
@@ -138,7 +138,7 @@ def fit(told: Sequence[Told], kinds: Sequence[str] = KINDS) -> dict[str, dict[st
 
 
 def fit_rules(
-    told: Sequence[Told], rules: Sequence[str], weights: dict[str, dict[str, float]]
+    told: Sequence[RatedAnswer], rules: Sequence[str], weights: dict[str, dict[str, float]]
 ) -> dict[str, dict[str, float]]:
     """Return weights of which only those of some rules are fitted, and the others are kept."""
     found = {kind: dict(known) for kind, known in weights.items()}
@@ -152,7 +152,7 @@ def fit_rules(
 
 
 def _logistic(
-    rows: Sequence[Told], names: Sequence[str], held: dict[str, float]
+    rows: Sequence[RatedAnswer], names: Sequence[str], held: dict[str, float]
 ) -> dict[str, float]:
     """Return the weights of terms, beside other weights that are held."""
     terms = _matrix(rows, names)
@@ -183,7 +183,7 @@ def _bounds(names: Sequence[str]) -> list[tuple[float | None, float | None]]:
 
 
 def _read(
-    weights: dict[str, dict[str, float]], told: Sequence[Told]
+    weights: dict[str, dict[str, float]], told: Sequence[RatedAnswer]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the confidence of each answer, and 1 if it is right, else 0."""
     said = [share_right(weights[t.kind], t.trust) for t in told]
@@ -243,10 +243,10 @@ def square_error(said: NDArray[np.float64], right: NDArray[np.float64]) -> float
     return float((several * ((mean - share) ** 2 - spread)).sum() / len(said))
 
 
-def _one(task: Task) -> Told | None:
+def _one(task: Task) -> RatedAnswer | None:
     model, number, misled = task
     case, said = judge_case(model, number, misled=misled)
-    return tell(case, said)
+    return rate_answer(case, said)
 
 
 def tasks(twins: int, impacts: int, first: int) -> list[Task]:
@@ -269,7 +269,7 @@ def _numbers(count: int, first: int, draw: Callable[[int], Machine]) -> list[int
     return list(itertools.islice(pairs, count))
 
 
-def _answers(path: Path, wanted: Sequence[Task], jobs: int) -> list[Told]:
+def _answers(path: Path, wanted: Sequence[Task], jobs: int) -> list[RatedAnswer]:
     """Return the answers on machines; those that are not in the file yet are added to it."""
     known = {tuple(task): told for task, told in read_lines(path)}
     left = [task for task in wanted if task not in known]
@@ -278,7 +278,7 @@ def _answers(path: Path, wanted: Sequence[Task], jobs: int) -> list[Told]:
             known[task] = told and [told.kind, asdict(told.trust), told.right]
             print(json.dumps([task, known[task]], default=float), file=out, flush=True)
     found = filter(None, map(known.__getitem__, wanted))
-    return [Told(kind, Trust(**trust), right) for kind, trust, right in found]
+    return [RatedAnswer(kind, Trust(**trust), right) for kind, trust, right in found]
 
 
 def _errors(said: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[str, str, str]:
@@ -306,7 +306,7 @@ def _errors(said: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[str,
     )
 
 
-def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Told]) -> None:
+def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[RatedAnswer]) -> None:
     """Draw the share of right answers over the confidence, one panel for each kind of answer."""
     # A backend without a window: this runs on servers.
     from matplotlib.backends.backend_agg import FigureCanvasAgg

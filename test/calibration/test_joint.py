@@ -7,7 +7,7 @@ import json
 import math
 
 from bearing_twin.calibration import Calibration, fit
-from bearing_twin.calibration.answer.estimates import taken_off
+from bearing_twin.calibration.answer.estimates import spacing_shortfall
 from bearing_twin.calibration.answer.impacts import follows_speed, Impacts, impacts_of
 from bearing_twin.calibration.answer.refusals import Kind
 from bearing_twin.calibration.candidates.cloud import Situation
@@ -131,7 +131,7 @@ def test_real_slots_on_the_outer_race_follow_the_speed(name, degrees, data_dir):
     assert follows_speed(seen[0], seen[1:]) == (seen[1],)
     apart = seen[0].spacing_s * machines[0].speed
     truth = math.radians(degrees) * 23.5e-3
-    assert apart < truth < apart + taken_off(machines[0], 0.95)
+    assert apart < truth < apart + spacing_shortfall(machines[0], 0.95)
 
 
 def test_a_record_that_may_have_a_defect_is_not_made_healthy_by_another():

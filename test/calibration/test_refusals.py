@@ -7,9 +7,9 @@ import math
 
 from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing
 from bearing_twin.calibration import fit
-from bearing_twin.calibration.answer.estimates import of_defect, taken_off
+from bearing_twin.calibration.answer.estimates import of_defect, spacing_shortfall
 from bearing_twin.calibration.answer.impacts import gear
-from bearing_twin.calibration.answer.refusals import half_as_often, Kind, no_impacts, unresolved
+from bearing_twin.calibration.answer.refusals import half_frequency, Kind, no_impacts, unresolved
 from bearing_twin.calibration.candidates import cloud
 from bearing_twin.calibration.candidates.cloud import Situation
 from bearing_twin.calibration.candidates.passage import widest
@@ -78,7 +78,7 @@ def test_noise_between_faint_impacts_is_no_wrong_speed():
     """Half of the records of noise have a line there that is as high as that of faint impacts."""
     machine = cloud.example()
     rng = np.random.default_rng(4)
-    assert all(half_as_often(rng.standard_normal(51200), machine) is None for _ in range(20))
+    assert all(half_frequency(rng.standard_normal(51200), machine) is None for _ in range(20))
 
 
 def test_impacts_of_another_bearing_say_which_would_fit():
@@ -226,7 +226,7 @@ def test_a_limit_allows_for_impacts_beside_an_echo_that_are_no_rest_of_the_way_t
     whole = correlate(x, RATE)
     measured = whole.summary(machine.longest)
     refusal = unresolved(whole, measured, machine)
-    assert refusal.farther * machine.speed == pytest.approx(farther, rel=0.01)
+    assert refusal.longest_spacing * machine.speed == pytest.approx(farther, rel=0.01)
     left = limit(measured, machine, candidates=32)
     told = of_defect(left, machine, measured, refusal)['defect_width_mm']
     assert 1e3 * width < told.q95 < 1e3 * width + 4.0
@@ -245,5 +245,5 @@ def test_candidates_that_rebound_leave_the_width_of_the_bare_passage_possible():
     told = of_defect(left, machine, measured, None)['defect_width_mm']
     apart, half = (1e3 * seconds * machine.speed for seconds in (measured.spacing, measured.lobe))
     assert apart > 1.5 and told.median == pytest.approx(1.0)
-    assert told.q95 == pytest.approx(apart + 1e3 * taken_off(machine, 0.5))
+    assert told.q95 == pytest.approx(apart + 1e3 * spacing_shortfall(machine, 0.5))
     assert told.q05 <= apart - half

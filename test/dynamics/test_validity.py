@@ -383,7 +383,7 @@ def test_which_race_is_pressed_harder_depends_on_the_bearing():
         bearing = find_bearing(name)
         load = 0.05 * static_rating(bearing)
         condition = Simulator(build(bearing=bearing, load=load, clearance=0.0)).condition()
-        # Stribeck: 4.37/Z of the load on the heaviest ball.
+        # Stribeck: 4.37/Z of the load on the highest_ball_force ball.
         force = 4.37 * load / bearing.n_balls
         expected = max(hertz(bearing, force, sign) for sign in (1.0, -1.0))
         assert condition.contact_pressure == pytest.approx(expected, rel=0.01)

@@ -23,7 +23,10 @@ from bearing_twin.calibration.candidates.passage import (
     path_curvature,
     widest,
 )
-from bearing_twin.calibration.candidates.posterior import longest_doubtful, weighted_quantile
+from bearing_twin.calibration.candidates.posterior import (
+    longest_unresolved_spacing,
+    weighted_quantile,
+)
 from bearing_twin.calibration.measured.path import noise_floor
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 import numpy as np
@@ -126,7 +129,7 @@ def of_defect(
                 low = min(low, spacing - lobe)
                 # The upper bound is at least the width at the median of assumed loads and depths:
                 # candidates in which the rotor rebounds after the exit have narrower defects.
-                high = max(high, spacing + 1e3 * taken_off(situation, 0.5))
+                high = max(high, spacing + 1e3 * spacing_shortfall(situation, 0.5))
                 why = (
                     f'from impacts {spacing:.2f} mm apart on the race and the path of a ball over '
                     'the edges, which the lower bound leaves out; it holds if they are one '
@@ -139,7 +142,10 @@ def of_defect(
                 why = refusal.why
             else:
                 # The spacing of any narrower defect is hidden too, whatever the prior assumes.
-                hidden = max(longest_doubtful(measured), refusal.farther) * situation.speed
+                hidden = (
+                    max(longest_unresolved_spacing(measured), refusal.longest_spacing)
+                    * situation.speed
+                )
                 hidden += _most_taken_off(situation)
                 high = min(max(high, 1e3 * hidden), next_ball(situation))
                 low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
@@ -186,7 +192,7 @@ def next_ball(situation: Situation) -> float:
     return 1e3 * situation.speed / situation.strikes
 
 
-def taken_off(situation: Situation, share: float) -> float:
+def spacing_shortfall(situation: Situation, share: float) -> float:
     """
     Return by how much the impacts are closer than the slot is wide, m: a quantile of the prior.
 
@@ -197,7 +203,7 @@ def taken_off(situation: Situation, share: float) -> float:
     --------
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
-    >>> [round(1e3 * taken_off(machine, share), 1) for share in (0.5, 0.95)]
+    >>> [round(1e3 * spacing_shortfall(machine, share), 1) for share in (0.5, 0.95)]
     [0.4, 0.7]
 
     """

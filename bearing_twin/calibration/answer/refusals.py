@@ -89,7 +89,7 @@ class Refusal(NamedTuple):
     kind: Kind
     why: str
     """In words."""
-    farther: float = 0.0
+    longest_spacing: float = 0.0
     """Longest time between impacts, beyond those of simulated defects, that a passage may have, s;
     0 if there is none."""
 
@@ -121,7 +121,7 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     return None
 
 
-def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
+def half_frequency(x: FloatArray, situation: Situation) -> Refusal | None:
     """
     Return a refusal if the impacts are half as frequent as those of the named part, else None.
 
@@ -133,9 +133,9 @@ def half_as_often(x: FloatArray, situation: Situation) -> Refusal | None:
     >>> machine = example()
     >>> x = np.random.default_rng(1).standard_normal(51200)
     >>> x[::143] += 12.0
-    >>> half_as_often(x, machine) is None
+    >>> half_frequency(x, machine) is None
     True
-    >>> half_as_often(x, replace(machine, sample_rate=0.5 * machine.sample_rate)).kind.value
+    >>> half_frequency(x, replace(machine, sample_rate=0.5 * machine.sample_rate)).kind.value
     'no_impacts'
 
     """
@@ -216,7 +216,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
             f'the impacts of a passage are {1e3 * measured.spacing:.2f} ms apart; the ringing of '
             f'one hides a second up to {1e3 * shortest:.2f} ms',
         )
-        return with_farther(refusal, whole, measured, situation)
+        return with_longest_spacing(refusal, whole, measured, situation)
     # A repetition after twice the time is not a passage but the teeth of a gear.
     far = whole.summary(2.0 * ELSEWHERE * situation.longest)
     twice = 2.0 * measured.spacing
@@ -226,7 +226,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
             Kind.SEVERAL_SPACINGS,
             'the impacts repeat after several times that are about as clear: ringing, or a gear',
         )
-        return with_farther(refusal, whole, measured, situation)
+        return with_longest_spacing(refusal, whole, measured, situation)
     return None
 
 
@@ -262,7 +262,7 @@ def copied(x: FloatArray, situation: Situation, measured: Summary) -> Refusal | 
     )
 
 
-def with_farther(
+def with_longest_spacing(
     refusal: Refusal, whole: Correlation, measured: Summary, situation: Situation
 ) -> Refusal:
     """
@@ -275,7 +275,7 @@ def with_farther(
     Returns
     -------
     refusal
-        Unchanged if nothing repeats later; otherwise ``farther`` is the time, s.
+        Unchanged if nothing repeats later; otherwise ``longest_spacing`` is the time, s.
 
     Examples
     --------
@@ -291,7 +291,7 @@ def with_farther(
     >>> x[entries + 90] += 0.7
     >>> whole = correlate(x, 12800.0)
     >>> early = Refusal(Kind.HIDDEN, 'they ring')
-    >>> with_farther(early, whole, whole.summary(machine.longest), machine).why
+    >>> with_longest_spacing(early, whole, whole.summary(machine.longest), machine).why
     'they ring; others are 10.3 mm apart'
 
     """
@@ -304,11 +304,11 @@ def with_farther(
         least = NEXT_BALL * float(np.max(prominences, initial=0.0, where=rest))
         if lag > situation.longest and far.significant(prominence) and prominence > least:
             why = f'{refusal.why}; others are {1e3 * lag * situation.speed:.1f} mm apart'
-            return refusal._replace(why=why, farther=float(lag))
+            return refusal._replace(why=why, longest_spacing=float(lag))
     return refusal
 
 
-def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | None:
+def width_not_determined(left: Posterior, situation: Situation, fastest: float) -> Refusal | None:
     """
     Return a refusal if the kept candidates determine no width, else None.
 
@@ -323,7 +323,7 @@ def untold(left: Posterior, situation: Situation, fastest: float) -> Refusal | N
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest)
     >>> left = posterior.limit(measured, machine, candidates=32)
-    >>> untold(left, machine, 10.0).kind.value
+    >>> width_not_determined(left, machine, 10.0).kind.value
     'short_passage'
 
     """

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 _POSITIVE = math.ulp(0.0)
-UNTOLD = {
+UNBOUNDED_REASONS = {
     Kind.ONE_IMPACT: 'one impact a passage is heard',
     Kind.SAME_AT_ANOTHER_SPEED: 'a second impact is ringing, which does not follow the speed',
 }
@@ -69,8 +69,8 @@ def in_words(place: str, width: Estimate, refusal: Kind | None = None) -> str:
     if width.identifiable:
         between = f'{width.q05:.2f} to {width.q95:.2f}'
         return f'{place} race defect, {width.median:.2f} mm wide ({between})'
-    if refusal in UNTOLD:
-        return f'{place} race defect, width not told: {UNTOLD[refusal]}'
+    if refusal in UNBOUNDED_REASONS:
+        return f'{place} race defect, width not told: {UNBOUNDED_REASONS[refusal]}'
     return f'{place} race defect, at most {width.q95:.2f} mm wide'
 
 
@@ -117,7 +117,7 @@ class Calibration:
     @property
     def bounds_width(self) -> bool:
         """Whether a race has a defect whose width is bounded."""
-        return self.defect in ('inner', 'outer') and self.refusal not in UNTOLD
+        return self.defect in ('inner', 'outer') and self.refusal not in UNBOUNDED_REASONS
 
     @property
     def twin_situation(self) -> Situation:

@@ -195,7 +195,7 @@ def limit(
     """
     Draw from the posterior if no spacing can be determined.
 
-    The spacing is then at most `longest_doubtful`.
+    The spacing is then at most `longest_unresolved_spacing`.
 
     Parameters as for :func:`sample`.
 
@@ -212,7 +212,7 @@ def limit(
     """
     prior = unknowns(situation)
     drawn, summaries = _round(situation, prior, candidates, seed)
-    longest = longest_doubtful(measured)
+    longest = longest_unresolved_spacing(measured)
     kept = np.array([not s.seen or s.spacing <= longest for s in summaries])
     if not kept.any():
         kept[:] = True
@@ -272,7 +272,7 @@ def resolved(measured: Summary) -> float:
     return RESOLVED * measured.lobe
 
 
-def longest_doubtful(measured: Summary) -> float:
+def longest_unresolved_spacing(measured: Summary) -> float:
     """
     Return the longest spacing that a passage may have if none can be determined, s.
 
@@ -281,7 +281,7 @@ def longest_doubtful(measured: Summary) -> float:
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, 5e-3)
-    >>> longest_doubtful(measured) >= resolved(measured)
+    >>> longest_unresolved_spacing(measured) >= resolved(measured)
     True
 
     """

@@ -19,12 +19,12 @@ from bearing_twin.dynamics.equations import layout
 from bearing_twin.dynamics.equations.layout import COS, Record, Records, SIN
 from bearing_twin.dynamics.equations.model import Contact, contact_law
 from bearing_twin.dynamics.equations.statics import (
+    against_load,
     equilibrium,
     healthy_balls,
     spring_position,
     Supports,
     supports,
-    upwards,
 )
 from bearing_twin.dynamics.parameters import SLIP_MODELS
 from bearing_twin.numerics.compiled import compiled
@@ -96,7 +96,7 @@ def constants_of(p: TwinParameters) -> Records:
 
     """
     (across, skew, along), aside = supports(p)
-    up_x, up_y = upwards(p)
+    up_x, up_y = against_load(p)
     bearing, oil = p.bearing, p.lubricant
     # Mean pressure under 1 N, geometric mean of both contacts; it is 2/3 of the maximum pressure.
     inner, outer = (contact_pressure(bearing, 1.0, race=race) for race in ('inner', 'outer'))
@@ -204,7 +204,9 @@ def _contact(values: FloatArray) -> Contact:
 
 
 @compiled()
-def _stand(c: Record, values: FloatArray, balls: FloatArray) -> tuple[float, float]:
+def _equilibrium_displacement(
+    c: Record, values: FloatArray, balls: FloatArray
+) -> tuple[float, float]:
     """Return the displacement between the rings in equilibrium, m, in the load's frame."""
     x, y = values[FOOT_X], values[FOOT_Y]
     foot = c.up_y * x - c.up_x * y, c.up_x * x + c.up_y * y
@@ -226,7 +228,7 @@ def _slip(c: Record, values: FloatArray) -> float:
     pressed, loaded = np.empty((2 * n, 3)), 0
     for half in range(2):
         balls = healthy_balls((half / n - 0.5) * math.pi, clearance, n)
-        x, y = _stand(c, values, balls)
+        x, y = _equilibrium_displacement(c, values, balls)
         for k in range(n):
             delta = x * balls[COS, k] + y * balls[SIN, k] - clearance
             if delta > 0.0:
@@ -251,7 +253,7 @@ def _slip(c: Record, values: FloatArray) -> float:
 
 
 @compiled()
-def heaviest(constants: Records, values: FloatArray) -> float:
+def highest_ball_force(constants: Records, values: FloatArray) -> float:
     """
     Radial force on a ball in the direction of the load, N; ``values`` come from `evaluate`.
 
@@ -262,13 +264,13 @@ def heaviest(constants: Records, values: FloatArray) -> float:
     >>> from bearing_twin.dynamics import preset
     >>> constants, values = constants_of(preset('paper')), np.empty(CONDITION_SIZE)
     >>> evaluate(constants, 20.0, 20.0, 25.0, values)
-    >>> round(heaviest(constants, values))
+    >>> round(highest_ball_force(constants, values))
     1832
 
     """
     c = constants[0]
     balls = healthy_balls(-0.5 * math.pi, values[CLEARANCE], int(c.n_balls))
-    _, y = _stand(c, values, balls)
+    _, y = _equilibrium_displacement(c, values, balls)
     force: float = contact_law(max(-y - values[CLEARANCE], 0.0), _contact(values))[0]
     return force
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from bearing_twin.dynamics.equations import coefficients, filters
 from bearing_twin.dynamics.equations.model import Contact
 from bearing_twin.dynamics.equations.statics import (
+    against_load,
     equilibrium,
     force_and_stiffness,
     healthy_balls,
     spring_position,
     supports,
-    upwards,
 )
 from bearing_twin.dynamics.parameters import MAX_SHAFT_HZ
 from bearing_twin.errors import BearingTwinError
@@ -179,7 +179,7 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
             (
                 float(out[coefficients.K_B]),
                 float(out[coefficients.CLEARANCE]),
-                float(out[[coefficients.FOOT_X, coefficients.FOOT_Y]] @ upwards(p)),
+                float(out[[coefficients.FOOT_X, coefficients.FOOT_Y]] @ against_load(p)),
             )
         )
     k_b, clearance, spring = max(factors)
@@ -192,7 +192,7 @@ def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatAr
     foot = held.aside, spring
     x, y, _, _ = equilibrium(foot, contact, held.compliance, balls, foot)
     _, _, kxx, kxy, kyy = force_and_stiffness(x, y, contact, balls)
-    up_x, up_y = upwards(p)
+    up_x, up_y = against_load(p)
     axes = np.array([[up_y, up_x], [-up_x, up_y]])
     touching = axes @ np.array([[kxx, kxy], [kxy, kyy]]) @ axes.T
     # Half of the balls in contact, equally in all directions: more than in equilibrium.

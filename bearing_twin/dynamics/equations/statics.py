@@ -40,14 +40,14 @@ class Supports(NamedTuple):
     the load, so that the mean bearing force has the direction of the load."""
 
 
-def upwards(p: TwinParameters) -> tuple[float, float]:
+def against_load(p: TwinParameters) -> tuple[float, float]:
     """
     Return the direction (cos, sin) against the load; rounding errors at right angles are removed.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
-    >>> upwards(preset('paper'))
+    >>> against_load(preset('paper'))
     (0.0, 1.0)
 
     """
@@ -68,7 +68,7 @@ def supports(p: TwinParameters) -> Supports:
     1.49
 
     """
-    up_x, up_y = upwards(p)
+    up_x, up_y = against_load(p)
     x, y = (1.0 / p.inner_stiffness + 1.0 / stiffness for stiffness in p.housing_stiffness)
     across = up_y * up_y * x + up_x * up_x * y
     skew = up_x * up_y * (x - y)

@@ -237,7 +237,7 @@ def under(table, begins, row, node, u, rate, ahead=None):
 
 
 @compiled()
-def with_own_room(surfaces):
+def with_own_work(surfaces):
     """Return a copy with its own ``room``, for use in parallel."""
     s = surfaces
     room = np.zeros_like(s.room)

@@ -126,7 +126,7 @@ class Fleet:
                 simulator = self._fresh(index, parameters[index], seeds[index])
             lanes.place(index, simulator)
             lanes.fill_filters(index, simulator)
-        lanes.survey(self._parameters)
+        lanes.update_group_sizes(self._parameters)
         groups = len(lanes.groups)
         edges = np.linspace(0, groups, min(max(threads, 1), groups) + 1).astype(int).tolist()
         self._shares = list(pairwise(edges))
@@ -244,7 +244,7 @@ class Fleet:
         simulator = self._simulator(index, parameters, self._inputs(index))
         self._parameters[index] = parameters
         self._lanes.place(index, simulator)
-        self._lanes.survey(self._parameters)
+        self._lanes.update_group_sizes(self._parameters)
 
     def settle(self, index: int, temperature: float) -> None:
         """Set an inner ring to its steady state at ``temperature``; see `Simulator.settle`."""
@@ -362,7 +362,7 @@ class Fleet:
         self.next_sample = next_sample
         for index in range(self._lanes.size):
             p = self._parameters[min(index, len(self) - 1)]
-            self._lanes.roll_on(index, surfaces(p, self._lanes.seed(index)))
+            self._lanes.set_surfaces(index, surfaces(p, self._lanes.seed(index)))
             outer, hz = self._temperatures[index], self._shaft_hz[index]
             constants = self._lanes.constants[index : index + 1]
             coefficients.evaluate(constants, outer, outer, hz, self._lanes.values[index])

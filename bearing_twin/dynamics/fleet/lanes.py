@@ -83,7 +83,7 @@ class Lanes:
         """Return the work array of one thread."""
         return aligned((room_size(self.oversample, self._memory),), np.float32)
 
-    def survey(self, parameters: Sequence[TwinParameters]) -> None:
+    def update_group_sizes(self, parameters: Sequence[TwinParameters]) -> None:
         """Set the most balls and spalls of each group, and whether it has waviness."""
         for number, group in enumerate(self.groups):
             members = parameters[number * L : (number + 1) * L]
@@ -149,14 +149,14 @@ class Lanes:
         for slot, record in enumerate(group['spalls']):
             put(record, **_spall(tables.defects[slot] if slot < len(tables.defects) else None, m))
         self._tables[index] = tables
-        self.roll_on(index, tables.surfaces)
+        self.set_surfaces(index, tables.surfaces)
         self.constants[index] = simulator.constants[0]
         self.values[index] = simulator.values
         self.drift[index], self.rings[index] = simulator.drift, simulator.rings
         self.fade[index], self.faded[index] = simulator.fade, simulator.faded
         self.marks[index] = simulator.marks
 
-    def roll_on(self, index: int, surfaces: Surfaces) -> None:
+    def set_surfaces(self, index: int, surfaces: Surfaces) -> None:
         """Copy the surfaces of one bearing to its lane."""
         number, lane = divmod(index, L)
         group, table = self.groups[number], surfaces.table

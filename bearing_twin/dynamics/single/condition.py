@@ -19,7 +19,7 @@ from bearing_twin.dynamics.equations.coefficients import (
     EQUIVALENT,
     FRICTION,
     HARDNESS,
-    heaviest,
+    highest_ball_force,
     INNER,
     INPUTS,
     K_B,
@@ -50,7 +50,7 @@ _TWO_PI = 2.0 * math.pi
 MOTION = STATE.itemsize // 8
 VALUES = MOTION + INPUTS
 """Index of the first input, and of the first value of `evaluate`, in ``seen``."""
-SEEN = VALUES + CONDITION_SIZE + 1
+SNAPSHOT_SIZE = VALUES + CONDITION_SIZE + 1
 """Length of ``seen``, from which :func:`condition` computes a condition."""
 _fault_orders = compiled()(fault_orders)
 _pressure_of = compiled()(pressure_of)
@@ -142,7 +142,7 @@ def condition(equations: Equations, seen: FloatArray) -> Condition:
     ----------
     equations
         The bearing.
-    seen : float64[SEEN]
+    seen : float64[SNAPSHOT_SIZE]
         State of motion, a record `layout.STATE` as numbers; inputs of the equations, which follow
         a quick change of temperature within a tick of `inner_ring`; values of
         `coefficients.evaluate` with both rings at the outer ring temperature; inner ring
@@ -175,7 +175,7 @@ def _observed(equations: Any, seen: FloatArray) -> Any:
     held = of[CLEARANCE]
     of[:INPUTS] = inputs
     # With a contact angle the contact force exceeds its radial component.
-    pressed = heaviest(equations.constants, of) / c.cosine
+    pressed = highest_ball_force(equations.constants, of) / c.cosine
     inner, outer = equations.contacts
     pressure = max(_pressure_of(pressed, inner), _pressure_of(pressed, outer))
     strain = (

@@ -197,7 +197,7 @@ def integrate(state, bearing, steps, gaps, resonator, first, scratch, acc_x, acc
         else:
             _keep(state, q, v, a, j, (zx, wx, zy, wy), loaded, near, further, faster, ahead)
             begin = i * reads
-            _in_pieces(
+            _split_step(
                 state, bearing, step, first + i, scratch, acc_x[begin : begin + reads],
                 acc_y[begin : begin + reads],
             )  # fmt: skip
@@ -240,7 +240,7 @@ def _weigh(row, z, w, housing):
 
 
 @compiled(fast=_IN_ORDER, borrows=True)
-def _in_pieces(state, bearing, step, number, scratch, acc_x, acc_y):
+def _split_step(state, bearing, step, number, scratch, acc_x, acc_y):
     """
     Advance by one ``step`` in pieces that end where the force is not smooth.
 
@@ -330,8 +330,8 @@ def _first_change(changed, piece, time, parted, motion):
         if not changed >> ball & 1:
             continue
         begin, end = 0.0, first
-        low = _firmness(ball, begin, time, parted, motion)
-        high = _firmness(ball, end, time, parted, motion)
+        low = _load_margin(ball, begin, time, parted, motion)
+        high = _load_margin(ball, end, time, parted, motion)
         if low * high >= 0.0:
             # It changed at the start, or not before another ball.
             if which < 0:
@@ -341,7 +341,7 @@ def _first_change(changed, piece, time, parted, motion):
         while end - begin > _EXACT * machine.step:
             middle = begin + (end - begin) * low / (low - high)
             middle = min(max(middle, begin + 1e-3 * (end - begin)), end - 1e-3 * (end - begin))
-            value = _firmness(ball, middle, time, parted, motion)
+            value = _load_margin(ball, middle, time, parted, motion)
             if value * high > 0.0:
                 end, high = middle, value
                 low *= 0.5 if side == 1 else 1.0
@@ -355,7 +355,7 @@ def _first_change(changed, piece, time, parted, motion):
 
 
 @compiled(fast=_IN_ORDER, borrows=True)
-def _firmness(ball, ahead, time, parted, motion):
+def _load_margin(ball, ahead, time, parted, motion):
     """
     Return a continuous measure of the load of a ball, ``ahead`` seconds after ``time``.
 

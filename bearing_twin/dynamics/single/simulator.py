@@ -18,7 +18,13 @@ from bearing_twin.dynamics.equations.waviness import surfaces
 from bearing_twin.dynamics.parameters import check_speed
 from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.single import kernel, objects
-from bearing_twin.dynamics.single.condition import Condition, condition, MOTION, SEEN, VALUES
+from bearing_twin.dynamics.single.condition import (
+    Condition,
+    condition,
+    MOTION,
+    SNAPSHOT_SIZE,
+    VALUES,
+)
 from bearing_twin.dynamics.single.tables import ball_table, defect_table, equations_of, machine
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.numerics.compiled import compiled
@@ -228,7 +234,7 @@ class Simulator:
         temperature = check_temperature(float(temperature))
         shaft_hz = check_speed(shaft_hz)
         out, first = np.empty((2, n), dtype=np.float32), self.next_sample
-        seen = np.empty(SEEN)
+        seen = np.empty(SNAPSHOT_SIZE)
         _advance(
             self._motion, self._temperature, self._shaft_hz, temperature, shaft_hz, self.faded,
             self.seed, first, self.tick, self.tick / self.sample_rate, out, seen,
@@ -264,7 +270,7 @@ class Simulator:
         outer = np.array([check_temperature(float(each)) for each in temperatures])
         hz = np.array([check_speed(each) for each in speeds])
         count, first = len(outer), self.next_sample
-        out, seen = np.empty((count, 2, n), dtype=np.float32), np.empty((count, SEEN))
+        out, seen = np.empty((count, 2, n), dtype=np.float32), np.empty((count, SNAPSHOT_SIZE))
         _advance_all(
             self._motion, self._temperature, self._shaft_hz, outer, hz, self.faded, self.seed,
             first, self.tick, self.tick / self.sample_rate, out, seen,
@@ -276,8 +282,8 @@ class Simulator:
 
     def condition(self) -> Condition:
         """State at the next sample."""
-        seen = np.empty(SEEN)
-        _see(self._motion, self.faded, self.next_sample, self.tick, seen)
+        seen = np.empty(SNAPSHOT_SIZE)
+        _take_snapshot(self._motion, self.faded, self.next_sample, self.tick, seen)
         return condition(self._equations, seen)
 
     def save(self) -> bytes:
@@ -477,7 +483,7 @@ class Simulator:
 
 # The first arguments are objects of numba, whose fields mypy does not know.
 @compiled()
-def _see(motion: Any, faded: int, at: int, tick: int, seen: FloatArray) -> None:
+def _take_snapshot(motion: Any, faded: int, at: int, tick: int, seen: FloatArray) -> None:
     """Fill ``seen`` with the data of the condition at sample ``at``, see `condition`."""
     since, behind = at % tick, motion.fade * min(at - faded, 0)
     seen[:MOTION].view(STATE)[0] = motion.states[0]
@@ -504,7 +510,7 @@ def _advance(
     """
     Advance a bearing and its inner ring through a block, from tick to tick.
 
-    A tick lasts ``seconds``; other arguments as in `kernel.advance` and `_see`.
+    A tick lasts ``seconds``; other arguments as in `kernel.advance` and `_take_snapshot`.
     """
     was, to, constants = (
         (was_temperature, was_hz),
@@ -537,7 +543,7 @@ def _advance(
                 constants, begin, was, now, motion.rings, motion.drift, tick, seconds
             )
     motion.values[:] = end
-    _see(motion, faded, first + n, tick, seen)
+    _take_snapshot(motion, faded, first + n, tick, seen)
 
 
 @compiled()

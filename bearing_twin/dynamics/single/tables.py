@@ -12,7 +12,7 @@ from bearing_twin.bearing.hertz import ellipses
 from bearing_twin.dynamics.equations import filters, layout
 from bearing_twin.dynamics.equations.layout import CHUNK, COS, DEFECT, GAP, LANES, SIN
 from bearing_twin.dynamics.equations.model import PROFILES
-from bearing_twin.dynamics.equations.statics import upwards
+from bearing_twin.dynamics.equations.statics import against_load
 from bearing_twin.dynamics.single import objects
 import numpy as np
 import numpy.typing as npt
@@ -43,7 +43,7 @@ def machine(p: TwinParameters, sample_rate: float, steps: int, *, stiff: bool = 
 
     """
     orders, bearing = fault_orders(p.bearing), p.bearing
-    up_x, up_y = upwards(p)
+    up_x, up_y = against_load(p)
     (stiffness_x, stiffness_y), (damping_x, damping_y) = p.housing_stiffness, p.housing_damping
     return layout.filled(
         layout.MACHINE, p, bearing,

@@ -202,7 +202,7 @@ def _proportional_to_time(study: Study) -> Claim:
 
 
 def _initial_conditions(study: Study) -> Claim:
-    motion = study.forgotten
+    motion = study.initial_state_effect
     parameters = {name: study.change(name, 'all') for name in settings.PRESET_NAMES}
     return Claim(
         id='different-initial-conditions',
