@@ -95,7 +95,7 @@ class _EachOnce(yaml.SafeLoader):
         counts = Counter(str(key.value) for key, _ in node.value)
         for name, count in counts.items():
             if count > 1:
-                raise yaml.YAMLError(f'{name} stands {count} times in one table')
+                raise yaml.YAMLError(f'duplicate key {name} ({count} times in one table)')
         return super().construct_mapping(node, deep)
 
 

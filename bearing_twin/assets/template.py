@@ -130,7 +130,7 @@ def _place(name: str, samples: list[tuple[bytes, bytes]]) -> int:
             places.append(at)
         at = first.find(raw, at + 1)
     if len(places) != 1:
-        msg = f'{name} stands at {len(places)} places of the serialized message; one was expected'
+        msg = f'{name} occurs {len(places)} times in the serialized message, expected once'
         raise BearingTwinError(msg)
     return places[0]
 

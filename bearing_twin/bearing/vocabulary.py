@@ -60,8 +60,8 @@ _STEPS: dict[str, str] = {
     'healthy': 'nothing; go on measuring at the same speed and load',
     'cage': 'plan to replace the bearing soon: a cage fails without much warning',
     'suspect': 'check bearing and speed, record again as long as possible, and watch the level',
-    'ambiguous': 'record longer, with a measured speed, so that the orders part',
-    'insufficient': 'mend what the reasons name, and record again',
+    'ambiguous': 'record longer, with a measured speed, so that the fault orders separate',
+    'insufficient': 'correct the causes that the reasons name, and record again',
 }
 
 

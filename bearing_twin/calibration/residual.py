@@ -255,7 +255,7 @@ class Residual:
                 over = float(np.median(table[-LEAST_RUN:, band]) - limits.centre[band])
                 reason = f'{where} {text.format(abs(over), sides[side])}'
         if number == -math.inf:
-            return _nothing('the healthy machine sways too slowly, or no band is told')
+            return _nothing('the healthy levels vary too slowly to judge any band')
         if number < 1.0:
             reason = 'the twin explains its machine'
         return Unexplained(max(number, 0.0), where, over, reason)

@@ -35,8 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--order',
         type=float,
-        help='only bearings with a race or a ball that strikes as often as this a turn of the '
-        f'shaft (within {ORDER_WIDTH:g}, with 1.5 %% for slip and contact angle), and which part it is',
+        help='only bearings with a race or a ball that strikes as often as this a turn, and which '
+        f'part it is (within {ORDER_WIDTH:g}, with 1.5 %% for slip and contact angle)',
     )
     parser.add_argument('--json', action='store_true', help='one JSON object a line')
 

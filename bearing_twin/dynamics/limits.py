@@ -114,12 +114,12 @@ def limits_passed(strain: Strain, bits: int) -> Passed:
     left, used, apart, _ = strain[7:]
     pressed = f'the load of {load * 1e-3:g} kN'
     if not math.isclose(load, equivalent, rel_tol=0.05):
-        pressed += f', with this clearance as bad as {equivalent * 1e-3:.3g} kN,'
+        pressed += f' (equivalent to {equivalent * 1e-3:.3g} kN with this clearance)'
     said = {
         Limit.LIFE_LOAD: f'no life: {pressed} exceeds half the dynamic rating of '
         f'{dynamic_rating * 1e-3:g} kN, where ISO 281 ends',
         Limit.STATIC_LOAD: f'no life: {pressed} exceeds the static rating of '
-        f'{static_rating * 1e-3:g} kN, beyond which balls and races stay dented',
+        f'{static_rating * 1e-3:g} kN, above which balls and races deform permanently',
         Limit.PRESSURE: f'the contacts yield: {pressure * 1e-9:.1f} GPa under the hardest '
         f'pressed ball exceed {HIGHEST_PRESSURE * 1e-9:g} GPa (ISO 76), and the twin takes them '
         'as elastic',

@@ -106,11 +106,11 @@ def trend_sentence(parameters: TwinParameters, shaft_hz: float) -> str:
     --------
     >>> from bearing_twin.dynamics import preset
     >>> trend_sentence(preset('paper', defect='none'), 25.4)
-    'no defect, so no impacts that temperature could move'
+    'no defect, so there are no impacts'
 
     """
     if not parameters.defects:
-        return 'no defect, so no impacts that temperature could move'
+        return 'no defect, so there are no impacts'
     change = amplitude_change(parameters, shaft_hz)
     mode = parameters.thermal_mode
     lead = f'impact amplitude from {TABLE_LOW:g} to {TABLE_HIGH:g} degC in the mode {mode}'

@@ -154,7 +154,7 @@ class CalibrationNode(ManagedNode):
             self._say_killed()
 
     def _say_killed(self) -> None:
-        self._problem = 'its process was killed; is there enough memory? It starts anew'
+        self._problem = 'its process was killed (out of memory?) and is started again'
         self.get_logger().error(f'not fitted: {self._problem}', throttle_duration_sec=60.0)
 
     def _look(self) -> None:

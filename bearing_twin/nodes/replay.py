@@ -211,7 +211,7 @@ class ReplayNode(ManagedNode):
         if self._playing and wanted:
             self.get_logger().warning(
                 f'{", ".join(sorted(wanted))}: not subscribed to every topic after '
-                f'{self.parameters["wait_for_subscribers"]:g} s; what is sent now may be missing'
+                f'{self.parameters["wait_for_subscribers"]:g} s; they may miss the first messages'
             )
 
     def _is_heard(self, publisher: Publisher[Any], wanted: set[str]) -> bool:

@@ -112,7 +112,7 @@ class TwinCalibration:
             'machine_temperature_degc': fitted.temperature,
         }
         if self._heard and not self._published():
-            text = f'nobody publishes calibrations any more; the last one: {fitted.statement}'
+            text = f'no node publishes calibrations any more; the last one: {fitted.statement}'
             return Status(Level.STALE, text, values, kind='left')
         if alike is None:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')

@@ -35,7 +35,7 @@ TEXTS = {
     TemperatureStatus.OK: 'temperature is fresh',
     TemperatureStatus.WAITING: 'no temperature yet: the start temperature is used',
     TemperatureStatus.STALE: 'temperature is stale: the last valid one is held',
-    TemperatureStatus.INVALID: 'temperature is no number or impossible: the last valid is held',
+    TemperatureStatus.INVALID: 'temperature is NaN or impossible: the last valid one is held',
     TemperatureStatus.CLAMPED: (
         f'temperature is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC: the nearest end is used'
     ),
@@ -136,7 +136,7 @@ def temperature_status(temperature: GatedTemperature, *problems: str) -> Status:
     ok = temperature.status is TemperatureStatus.OK and not any(problems)
     message = TEXTS[temperature.status]
     if temperature.status is TemperatureStatus.INVALID and math.isnan(temperature.age):
-        message = 'temperature is no number or impossible: the start temperature is used'
+        message = 'temperature is NaN or impossible: the start temperature is used'
     message = '; '.join([message, *filter(None, problems)])
     return Status(
         Level.OK if ok else Level.WARN,

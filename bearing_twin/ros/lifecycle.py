@@ -138,7 +138,7 @@ class ManagedNode(LifecycleNode):
                 # Interrupted while starting: this is not an error.
                 raise ExternalShutdownException
             if result != TransitionCallbackReturn.SUCCESS:
-                msg = 'the node could not start; the reason stands in the log above'
+                msg = 'the node could not start; see the error above'
                 raise BearingTwinError(msg)
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:

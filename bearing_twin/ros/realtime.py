@@ -137,7 +137,7 @@ def status(
     if not active:
         level, texts = Level.OK, ['not active']
     elif still:
-        level, texts = Level.OK, ['/clock stands still, and so do the blocks']
+        level, texts = Level.OK, ['/clock stands still, so no blocks are published']
     return Status(
         level,
         '; '.join(texts) or ('in step with /clock' if simulated else 'in time'),

@@ -161,7 +161,7 @@ class NodeStates:
             self.disk.do(state.release_lock)
         if self.disk.busy and not self.disk.settle():
             held = ', '.join(str(state.path) for state in self._kept if state.claimed)
-            self._log(f'{SILENT}: not written, and claimed until it has: {held or "nothing"}')
+            self._log(f'{SILENT}: not written and still locked: {held or "nothing"}')
         self._kept = []
 
 
@@ -364,7 +364,7 @@ class KeptState:
         except OSError:
             self._taken_up = False
             raise
-        self._log(f'{why}; it is kept as {aside}; it is learnt anew')
+        self._log(f'{why}; the file was renamed to {aside}; learning starts again')
 
     def release_lock(self) -> None:
         """Release the lock; called in the thread after the last write."""

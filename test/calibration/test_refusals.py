@@ -148,7 +148,10 @@ def test_a_second_impact_that_is_not_heard_is_no_limit_of_the_width():
     found = fit(x, RATE, BEARING, 20.0, place='outer', candidates=64)
     width = found.quantities['defect_width_mm']
     assert found.refusal is Kind.ONE_IMPACT and not width.identifiable
-    assert found.statement == 'outer race defect, width not told: one impact a passage is heard'
+    assert (
+        found.statement
+        == 'outer race defect, width not told: only one impact per passage is heard'
+    )
     assert (width.q05, width.q95) == (0.0, pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3))
     assert joined([found, found])[2] == found.statement
     # Between impacts a resonance is found, and its interval is not believed.

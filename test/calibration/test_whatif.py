@@ -85,7 +85,7 @@ def test_a_forged_fit_is_refused_in_words(tmp_path, capsys):
         saved.write_text(json.dumps(good | changed))
         assert main(['whatif', str(saved)]) == 1
         said = capsys.readouterr().err
-        assert str(saved) in said and 'no calibration of this version' in said
+        assert str(saved) in said and 'not a calibration of this version' in said
 
 
 def test_a_width_no_ball_fits_is_refused(slot_fit):

@@ -347,7 +347,7 @@ def test_few_balls_that_bear_end_the_life_earlier():
     assert 2300.0 * share[1] / share[0] > static_rating(small['bearing'])
     assert tight.limits_passed & Limit.STATIC_LOAD
     assert math.isnan(tight.life_hours)
-    assert 'with this clearance as bad as' in tight.warnings[0]
+    assert 'kN with this clearance)' in tight.warnings[0]
 
 
 # --- size --------------------------------------------------------------------------------------

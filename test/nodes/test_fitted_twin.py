@@ -268,7 +268,7 @@ def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(here, c
     node._calibration._twin.advance()
     assert becomes(Level.OK).startswith('taken: ')
     node.destroy_publisher(publisher)
-    assert becomes(Level.STALE).startswith('nobody publishes calibrations any more')
+    assert becomes(Level.STALE).startswith('no node publishes calibrations any more')
 
 
 @pytest.mark.usefixtures('compiled')

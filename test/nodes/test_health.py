@@ -59,7 +59,7 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
     log = path.read_text()
     found = re.findall(r'\[(\w+)\].*temperature input: (.*) \(before, for (\d+) s: ', log)
     assert [(level, text.split(':')[0]) for level, text, _ in found] == [
-        ('WARN', 'temperature is no number or impossible'),
+        ('WARN', 'temperature is NaN or impossible'),
         ('WARN', 'temperature is outside 20..110 degC'),
         ('INFO', 'temperature is fresh'),
         ('WARN', 'temperature is stale'),

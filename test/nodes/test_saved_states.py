@@ -275,7 +275,9 @@ def test_content_that_cannot_be_used_is_set_aside_and_learnt_anew(tmp_path, dama
     (said,) = again.log
     reason = 'is damaged' if damaged else 'has version 1006'
     assert reason in said
-    assert said.endswith(f'it is kept as {tmp_path}/pump.unreadable-1; it is learnt anew')
+    assert said.endswith(
+        f'the file was renamed to {tmp_path}/pump.unreadable-1; learning starts again'
+    )
     assert names(tmp_path) == ['.pump.lock', 'pump', 'pump.unreadable-1']
 
 
@@ -287,8 +289,8 @@ def test_a_state_that_is_set_aside_stays_under_a_name_of_its_own(tmp_path):
     pump.state.set_aside('nothing is there any more')
     pump.states.release()
     assert pump.log == [
-        f'the bearing is now 6205; it is kept as {tmp_path}/pump.unreadable-{number}; '
-        'it is learnt anew'
+        f'the bearing is now 6205; the file was renamed to {tmp_path}/pump.unreadable-{number}; '
+        'learning starts again'
         for number in (1, 2)
     ]
     assert names(tmp_path) == ['.pump.lock', 'pump.unreadable-1', 'pump.unreadable-2']
@@ -330,8 +332,7 @@ def test_what_a_hanging_disk_takes_late_is_not_written_over_the_next_nodes(
             pump.states.release()
             assert is_locked(states)
             assert pump.log == [
-                'the disk has not answered for 10 s: not written, and claimed until it has: '
-                f'{states}/pump'
+                f'the disk has not answered for 10 s: not written and still locked: {states}/pump'
             ]
             # Nor does the next one wait for longer, at its start and later.
             waits.clear()

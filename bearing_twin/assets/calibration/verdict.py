@@ -99,7 +99,7 @@ class Verdicts:
                 None, f'the last verdict is {age:.0f} s old, and {oldest:.0f} s is the most'
             )
         if age < -AHEAD_S:
-            return Heard(None, 'the last verdict is of samples before the source started anew')
+            return Heard(None, 'the last verdict is older than the restart of the source')
         if said.level == said.LEVEL_FAULT and said.faults and said.faults[0] in PLACES:
             return Heard(str(said.faults[0]))
         return Heard('none' if said.level == said.LEVEL_OK else None)

@@ -118,7 +118,7 @@ def of_defect(
     quantities = {}
     for name, about in left.prior.items():
         low, median, high = (float(v) for v in left.quantiles(name))
-        why = 'intervals held too seldom on simulated machines of known truth'
+        why = 'its intervals held the true value too rarely in simulation'
         if name == 'defect_width_mm':
             if refusal is None:
                 # The model of the path over an edge may be wrong. The lower bound is therefore at
@@ -168,7 +168,7 @@ def of_slip(situation: Situation, *, heard: bool) -> Estimate:
 
     """
     low, high = 0.0, SLIPPED
-    why = 'no line of a part tells one, so that the twin has the slip 0'
+    why = 'no line of a fault found, so the twin has no slip'
     if heard:
         low, high = situation.slip - SPEED_ERROR, situation.slip + SPEED_ERROR
         why = (

@@ -207,8 +207,8 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
     if not measured.seen:
         return Refusal(
             Kind.ONE_IMPACT,
-            'one impact a passage is heard: of a narrow defect, or of one whose other edge is '
-            'faint, or farther away than any that is simulated',
+            'only one impact per passage is heard: of a narrow defect, or of one whose other edge '
+            'is faint, or farther away than any that is simulated',
         )
     if measured.spacing < shortest:
         refusal = Refusal(

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 _POSITIVE = math.ulp(0.0)
 UNBOUNDED_REASONS = {
-    Kind.ONE_IMPACT: 'one impact a passage is heard',
+    Kind.ONE_IMPACT: 'only one impact per passage is heard',
     Kind.SAME_AT_ANOTHER_SPEED: 'a second impact is ringing, which does not follow the speed',
 }
 """Refusals where a race has impacts but nothing bounds the width, in words."""
@@ -240,7 +240,7 @@ class Calibration:
             BearingTwinError,
         ) as error:
             what = f'{error} is missing' if isinstance(error, KeyError) else f'{error!r:.200}'
-            msg = f'this is no calibration of this version ({what:.200}); fit the machine again'
+            msg = f'not a calibration of this version ({what:.200}); fit the machine again'
             raise BearingTwinError(msg) from None
 
     def at(self, **changes: Any) -> Calibration:

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 
 _STRIKES_WITH_THE_SHAFT = (
-    'record longer, with a measured speed, so that the orders part; look at what else strikes in '
-    'time with the shaft'
+    'record longer, with a measured speed, so that the fault orders separate; look at what else '
+    'strikes in time with the shaft'
 )
 
 

@@ -149,7 +149,7 @@ def check_extents(
     low, high = min(part.low for part in parts), max(part.high for part in parts)
     largest = max(abs(low), abs(high))
     if largest > LARGEST:
-        return [f'samples reach {largest:g}: no sensor tells that; check its driver']
+        return [f'samples reach {largest:g}: beyond the range of any sensor; check its driver']
     if high - low <= max(1e-12 * largest, FAINTEST):
         return [f'the signal is constant at {low:g}: check sensor and cable']
     if shaft_hz == 0.0:

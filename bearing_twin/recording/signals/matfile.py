@@ -113,7 +113,7 @@ def _elements(data: memoryview, order: str, *, padded: bool) -> Iterator[tuple[i
             at += 8
             continue
         if at + 8 + size > len(data):
-            msg = f'an element of {size} bytes does not fit into the {len(data)} it stands in'
+            msg = f'an element of {size} bytes exceeds the {len(data)} bytes of its parent'
             raise BearingTwinError(msg)
         yield first, data[at + 8 : at + 8 + size]
         at += 8 + size
