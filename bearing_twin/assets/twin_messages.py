@@ -146,7 +146,7 @@ class TwinBytes:
             self._values, self._vibration, self._state = values, None, None
 
 
-class StateTurns:
+class StateSchedule:
     """
     Choose the blocks whose state is published.
 

@@ -138,7 +138,7 @@ def spectral_levels(
 
 
 @dataclass(frozen=True)
-class Unexplained:
+class ResidualDecision:
     """Residual of one decision."""
 
     number: float
@@ -210,7 +210,7 @@ class Residual:
 
     def update(
         self, names: tuple[str, ...], difference: FloatArray, *, healthy: bool
-    ) -> Unexplained:
+    ) -> ResidualDecision:
         """
         Judge a decision, and learn earlier ones that have proved healthy.
 
@@ -227,7 +227,7 @@ class Residual:
             self.learn(names, np.array(self.waiting.pop(0)))
         return found
 
-    def judge(self, names: tuple[str, ...], difference: FloatArray) -> Unexplained:
+    def judge(self, names: tuple[str, ...], difference: FloatArray) -> ResidualDecision:
         """Compare a decision with the healthy ones."""
         alike = names == self.names
         if alike:
@@ -258,7 +258,7 @@ class Residual:
             return _nothing('the healthy levels vary too slowly to judge any band')
         if number < 1.0:
             reason = 'the twin explains its machine'
-        return Unexplained(max(number, 0.0), where, over, reason)
+        return ResidualDecision(max(number, 0.0), where, over, reason)
 
     def numbers(self, differences: npt.ArrayLike) -> FloatArray:
         """
@@ -359,7 +359,7 @@ class Residuals:
 
     def update(
         self, names: tuple[str, ...], difference: FloatArray, shaft_hz: float, *, healthy: bool
-    ) -> Unexplained:
+    ) -> ResidualDecision:
         """Judge a decision at a speed, Hz, and learn from it: see `Residual.update`."""
         near = [each for each in self.known if abs(each[0] / shaft_hz - 1.0) <= MOVED]
         if not near and len(self.known) >= SPEEDS:
@@ -414,8 +414,8 @@ class Residuals:
         return cls(known)
 
 
-def _nothing(reason: str) -> Unexplained:
-    return Unexplained(math.nan, '', math.nan, reason)
+def _nothing(reason: str) -> ResidualDecision:
+    return ResidualDecision(math.nan, '', math.nan, reason)
 
 
 def _steps(rows: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from bearing_twin.diagnosis.combs.harmonics import spaced_by_shaft
 from bearing_twin.diagnosis.combs.plain_lines import low_lines
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.combs.sidebands import sideband_ratio
-from bearing_twin.diagnosis.report import insufficient, not_shown, report
+from bearing_twin.diagnosis.report import insufficient, report, undetected_reasons
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import answer, trusted
 from bearing_twin.diagnosis.signal.demodulation import (
@@ -31,8 +31,8 @@ from bearing_twin.diagnosis.signal.severity import (
     LEAST,
     Levels,
     measure_severity,
-    of_length,
     SLOW_HZ,
+    valid_for_length,
 )
 from bearing_twin.diagnosis.signal.shaft import ShaftSpeed, Turning
 from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
@@ -229,7 +229,7 @@ class Excerpt:
         extents = [stretch.extent for stretch in self.stretches]
         reasons = check_extents(extents, rate, mean_hz, highest_fault_order(bearing))
         if reasons and self.simulated:
-            reasons += not_shown(
+            reasons += undetected_reasons(
                 self.samples, rate, mean_hz, temperature=self.temperature, unit=self.unit,
                 bearing=bearing,
             )  # fmt: skip
@@ -272,7 +272,7 @@ class Excerpt:
             power_group=settings.power_group, mounting=settings.mounting,
             shaft_hz=shaft_hz if math.isfinite(shaft_hz) else 0.0,
         )  # fmt: skip
-        return of_length(found, len(x), self.sample_rate)
+        return valid_for_length(found, len(x), self.sample_rate)
 
     def _window(self, first: int, count: int, layout: Layout) -> Window:
         """Return the window of ``count`` stretches from ``first`` on."""

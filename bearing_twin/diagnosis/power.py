@@ -81,13 +81,13 @@ def smallest_detectable(
     return float(max(found) * d_ball / table['d_ball_m'])
 
 
-def shown_by(
+def detectable_text(
     seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
 ) -> str:
     """
     Return the result of :func:`smallest_detectable`, with the same parameters, in words.
 
-    >>> shown_by(8.0, 3.0, 30.0, 1.0, 'm/s^2', 0.0135)
+    >>> detectable_text(8.0, 3.0, 30.0, 1.0, 'm/s^2', 0.0135)
     'none is sure to'
 
     """

@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.machine.level import raised, staged, UNKNOWN
+from bearing_twin.diagnosis.machine.level import UNKNOWN, with_fault_stage, with_required_level
 from bearing_twin.diagnosis.rules.table import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import SHAFT_TURNS
@@ -171,7 +171,7 @@ def diagnose_record(
             turns_so = turning._replace(shaft_hz=np.array([hertz]))
             said = Excerpt.of(signal, turns_so, *fixed, **known).analyse().alone
             found = _at_another_speed(found, said, hertz) or found
-    return staged(raised(found))
+    return with_fault_stage(with_required_level(found))
 
 
 def _may_strike_in_bursts(analysis: Analysis) -> bool:

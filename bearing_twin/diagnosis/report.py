@@ -8,7 +8,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
-from bearing_twin.diagnosis.power import shown_by, smallest_detectable
+from bearing_twin.diagnosis.power import detectable_text, smallest_detectable
 from bearing_twin.diagnosis.result import Diagnosis, Spectrum
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS, SHAFT_TURNS
 from bearing_twin.diagnosis.signal.severity import Severity
@@ -77,7 +77,7 @@ def report(
     smallest = smallest_detectable(window.seconds, *could) if simulated else math.nan
     reasons = (*notes, *verdict.reasons)
     if simulated and verdict.result == 'insufficient':
-        shown = shown_by(window.seconds, *could)
+        shown = detectable_text(window.seconds, *could)
         reasons = (*reasons, f'smallest race fault that would have shown: {shown}')
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
     return Diagnosis(
@@ -161,7 +161,7 @@ def coarse_spectrum(
     return highest, 0.5 * (group - 1) * bin_hz, group * bin_hz
 
 
-def not_shown(
+def undetected_reasons(
     x: NDArray[np.float64],
     sample_rate: float,
     shaft_hz: float,
@@ -177,7 +177,7 @@ def not_shown(
 
     >>> from bearing_twin.bearing import find_bearing
     >>> known = {'temperature': 30.0, 'unit': 'm/s^2', 'bearing': find_bearing('6307')}
-    >>> not_shown(np.zeros(0), 25600.0, 25.0, **known)
+    >>> undetected_reasons(np.zeros(0), 25600.0, 25.0, **known)
     []
 
     """
@@ -186,7 +186,9 @@ def not_shown(
     text = 'smallest race fault that would have shown: none'
     if len(x) / sample_rate * shaft_hz < SHAFT_TURNS:
         longer = HEALTHY_TURNS / shaft_hz
-        could = shown_by(longer, shaft_hz, temperature, float(x.std()), unit, bearing.d_ball)
+        could = detectable_text(
+            longer, shaft_hz, temperature, float(x.std()), unit, bearing.d_ball
+        )
         text += f'; in {longer:.2g} s: {could}'
     return [text]
 

@@ -408,7 +408,7 @@ class StreamingDiagnoser:
         self._judged, self._earlier = self._run, earlier
         self._trend, self._guest = trend, guest
 
-    def rests_on(self, first_sample: int) -> int:
+    def first_needed_sample(self, first_sample: int) -> int:
         """
         Return the index of the first sample that a window from ``first_sample`` depends on.
 

@@ -12,7 +12,7 @@ from bearing_twin.diagnosis.combs.comb import order_spectra, OrderSpectra
 from bearing_twin.diagnosis.combs.passages import ball_passages
 from bearing_twin.diagnosis.combs.sidebands import comb_index
 from bearing_twin.diagnosis.signal.demodulation import highest_order
-from bearing_twin.diagnosis.signal.periodogram import Lapping, power_of_lines
+from bearing_twin.diagnosis.signal.periodogram import OverlappingParts, power_of_lines
 from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, ShaftSpeed
 from bearing_twin.diagnosis.signal.spectra import (
@@ -72,7 +72,7 @@ class Window:
         count = len(self.bands)
         narrow = slice(count - (count + 1) // 2, count)
         parts = [np.concatenate(each.envelopes, axis=1)[:, narrow] for each in self.segments]
-        joined = Lapping(parts, self.lap).joined()
+        joined = OverlappingParts(parts, self.lap).joined()
         if self.equal_angles is not None:
             joined = resample(joined, self.equal_angles)
         return ball_passages(joined, self.revolutions, bearing)
@@ -85,9 +85,9 @@ class Window:
         group, column = divmod(self.bands.index(band), L)
         parts = (each.envelopes[group][:, column : column + 1] for each in self.segments)
         weighed = [part * power for part, power in zip(parts, powers, strict=True)]
-        whole = Lapping(weighed, self.lap)
+        whole = OverlappingParts(weighed, self.lap)
         if self.equal_angles is not None:
-            whole = Lapping([resample(whole.joined(), self.equal_angles)])
+            whole = OverlappingParts([resample(whole.joined(), self.equal_angles)])
         lines = np.empty((len(self.orders.excess), 1), np.float32)
         power_of_lines(whole, lines, 0)
         floor = local_floor(lines.T, 2 * self.envelopes.hop).T
@@ -122,14 +122,14 @@ def analyse_window(
     (50.0, 1.0)
     """
     lap, bands = layout.lap // layout.step, layout.tree.bands
-    slow = Lapping([segment.slow for segment in segments], lap).joined()
+    slow = OverlappingParts([segment.slow for segment in segments], lap).joined()
     parts = zip(*(segment.envelopes for segment in segments), strict=True)
-    envelopes = (Lapping(part, lap) for part in parts)
+    envelopes = (OverlappingParts(part, lap) for part in parts)
     shaft_hz, at = turning.mean_hz, None
     if turning.varies:
         at = turning.equal_angles(len(slow)) / layout.step
         slow = resample(slow, at)
-        envelopes = (Lapping([resample(part.joined(), at)]) for part in envelopes)
+        envelopes = (OverlappingParts([resample(part.joined(), at)]) for part in envelopes)
     rate = layout.sample_rate / layout.step
     bin_hz = rate / len(slow)
     spectra = envelope_spectra(

@@ -15,7 +15,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import OVERRIDES, own, SENSOR, STREAM
-from bearing_twin.ros.topics.subscribing import subscribe, unheard
+from bearing_twin.ros.topics.subscribing import subscribe, with_mismatch_reasons
 from bearing_twin.stamps import NANO, samples_ns, stamp_ns
 from bearing_twin.streams.samplerate import RateMeter, REFUSED
 from bearing_twin.streams.sampling import (
@@ -252,7 +252,7 @@ class AdapterNode(ManagedNode):
         if math.isnan(age):
             level, message = Level.STALE, 'no samples yet'
             if self.active:
-                message = unheard(self, self._input, message)
+                message = with_mismatch_reasons(self, self._input, message)
         elif age > SILENT_AFTER:
             level, message = Level.STALE, f'no samples for {age:.1f} s'
         elif self._problem:

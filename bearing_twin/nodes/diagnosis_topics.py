@@ -15,7 +15,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.topics.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
-from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe, unheard
+from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe, with_mismatch_reasons
 from bearing_twin.streams.vibration_input import Inputs, Intake, read_vibration
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
@@ -245,7 +245,11 @@ class DiagnosisTopics:
             return status
         text = status.message
         for each in self._inputs:
-            text = unheard(self._node, each, text) if each.msg_type is Vibration else text
+            text = (
+                with_mismatch_reasons(self._node, each, text)
+                if each.msg_type is Vibration
+                else text
+            )
         return status._replace(message=text)
 
     def verdict_status(self) -> Status:

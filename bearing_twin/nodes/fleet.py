@@ -19,7 +19,7 @@ from bearing_twin.assets.parameters.shared import STATE_RATE, SUBSCRIBERS
 from bearing_twin.assets.parameters.spec import fixed
 from bearing_twin.assets.parameters.twin import build_parameters, build_simulator
 from bearing_twin.assets.twin import TwinChannel, TwinInputs
-from bearing_twin.assets.twin_messages import StateTurns, TwinBlock, vibration_block
+from bearing_twin.assets.twin_messages import StateSchedule, TwinBlock, vibration_block
 from bearing_twin.diagnosis import warming as diagnosis
 from bearing_twin.dynamics import warming as dynamics
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
@@ -183,7 +183,7 @@ class FleetNode(ManagedNode):
         member.twin = TwinTopics(
             self,
             member.channel,
-            turns=StateTurns(shared['state_rate'], period, self._twins.index(member)),
+            turns=StateSchedule(shared['state_rate'], period, self._twins.index(member)),
             prefix=f'{member.name}/',
             checkpoints=False,
         )

@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.parameters.realtime import PUBLISHING
 from bearing_twin.assets.parameters.twin import build_parameters, SPECS
 from bearing_twin.assets.twin import Twin
-from bearing_twin.assets.twin_messages import StateTurns
+from bearing_twin.assets.twin_messages import StateSchedule
 from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.dynamics.trend import trend_sentence
@@ -68,7 +68,7 @@ class TwinNode(ManagedNode):
         )
         self._cycle = BlockCycle(self, p, self._publish_block)
         self._topics = TwinTopics(
-            self, self._twin, turns=StateTurns(p['state_rate'], self._cycle.period)
+            self, self._twin, turns=StateSchedule(p['state_rate'], self._cycle.period)
         )
         TwinServices(self, p, reset=self._twin.reset, save=self._twin.save, load=self._twin.load)
         self.health = Health(self, p['hardware_id'] or self.get_namespace())

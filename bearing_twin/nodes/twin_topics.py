@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.assets.twin import TwinChannel
-    from bearing_twin.assets.twin_messages import StateTurns, TwinBlock
+    from bearing_twin.assets.twin_messages import StateSchedule, TwinBlock
     from bearing_twin.dynamics.single.condition import Condition
     from bearing_twin.ros.lifecycle import ManagedNode
     from bearing_twin.streams.pacer import Due
@@ -51,7 +51,7 @@ class TwinTopics:
         node: ManagedNode,
         twin: TwinChannel,
         *,
-        turns: StateTurns,
+        turns: StateSchedule,
         prefix: str = '',
         checkpoints: bool = True,
     ) -> None:

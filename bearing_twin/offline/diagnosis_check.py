@@ -226,7 +226,7 @@ class DiagnosisCheck:
         """Return the blocks before a checkpoint that the next verdict needs; None if not all."""
         for _, verdict in self._verdicts:
             if _end(verdict) > sample:
-                first = run.rests_on(int(verdict.first_sample))
+                first = run.first_needed_sample(int(verdict.first_sample))
                 window = [block for block in self._past if _block_end(block) > first]
                 reaches_back = bool(window) and int(window[0].first_sample) <= first
                 whole = reaches_back and _block_end(window[-1]) == sample

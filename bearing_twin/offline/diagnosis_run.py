@@ -47,11 +47,11 @@ class DiagnosisRun:
         """State before the next block."""
         return self._core.diagnoser.save()
 
-    def rests_on(self, first_sample: int) -> int:
+    def first_needed_sample(self, first_sample: int) -> int:
         """Return the index of the first sample needed for a window from ``first_sample`` on."""
         diagnoser = self._core.diagnoser
         if isinstance(diagnoser, StreamingDiagnoser):
-            return diagnoser.rests_on(first_sample)
+            return diagnoser.first_needed_sample(first_sample)
         return first_sample
 
     def load(self, state: bytes) -> None:

@@ -25,14 +25,14 @@ def natural(path: Path) -> list[tuple[int, str]]:
     return [(int(word), '') if word.isdecimal() else (-1, word) for word in words]
 
 
-def read_instead(path: Path) -> str:
+def diagnose_hint(path: Path) -> str:
     """
     Return the end of an error message: the command that reads the vibration files at a path.
 
     It is empty if there are none.
 
     >>> from pathlib import Path
-    >>> read_instead(Path('bearing.csv'))
+    >>> diagnose_hint(Path('bearing.csv'))
     "; 'bearing-twin diagnose' reads vibration files"
 
     """
@@ -80,5 +80,5 @@ def find_recording(path: Path) -> Path:
     if len(pictures) == 1:
         return pictures[0]
     msg = f'{path} holds no recording: no .mcap file and no single .rrd file is in it'
-    msg += read_instead(path)
+    msg += diagnose_hint(path)
     raise BearingTwinError(msg)

@@ -229,10 +229,10 @@ def _copy(
         for channel, (messages, octets) in foreign.items():
             text = f'{channel.topic}: {messages} messages are encoded as {channel.encoding!r}'
             damaged(BrokenRecording(f'{text}, not as cdr', size, octets))
-        report.lost_messages += max(0, _said_count(path, size) - (report.kept - kept))
+        report.lost_messages += max(0, _stated_count(path, size) - (report.kept - kept))
 
 
-def _said_count(path: Path, size: int) -> int:
+def _stated_count(path: Path, size: int) -> int:
     """Return the number of messages stated in the summary of a file; 0 if there is none."""
     with open_mcap(path) as file, contextlib.suppress(BrokenRecording):
         for raw, data in summary_records(file, size, (Opcode.STATISTICS,)):

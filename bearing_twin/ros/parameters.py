@@ -150,7 +150,7 @@ class ParameterSet:
             )
         self._values = {**(inherited or {}), **values}
         self._check(self._values)
-        _Asked.of(node).take(self)
+        _ParameterCallbacks.of(node).take(self)
 
     def __getitem__(self, name: str) -> Any:
         """Return the value in force."""
@@ -216,7 +216,7 @@ class ParameterSet:
         self._apply(self._values)
 
 
-class _Asked:
+class _ParameterCallbacks:
     """
     Parameter callbacks of a node; they call the one set that owns a name.
 
@@ -231,9 +231,9 @@ class _Asked:
         node.add_post_set_parameters_callback(self._after_set)
 
     @classmethod
-    def of(cls, node: Node) -> _Asked:
+    def of(cls, node: Node) -> _ParameterCallbacks:
         """Return the callbacks of a node; create them at the first call."""
-        asked: _Asked | None = vars(node).get('_asked')
+        asked: _ParameterCallbacks | None = vars(node).get('_asked')
         if asked is None:
             asked = vars(node)['_asked'] = cls(node)
         return asked

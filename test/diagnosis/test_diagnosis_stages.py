@@ -14,7 +14,7 @@ from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_env
 from bearing_twin.diagnosis.signal.demodulation import choose_layout
 from bearing_twin.diagnosis.signal.gate import check_record
 from bearing_twin.diagnosis.signal.lines import NEUTRAL
-from bearing_twin.diagnosis.signal.periodogram import Lapping
+from bearing_twin.diagnosis.signal.periodogram import OverlappingParts
 from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.diagnosis.signal.severity import iso_zone, Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, Turning
@@ -31,7 +31,7 @@ def _envelope_spectra(whitened, tree, *, max_hz, floor_width):
     """Spectra of a whole record that is one segment: at each of its samples, nothing left out."""
     points = 2 * (tree.levels[0][0])
     return envelope_spectra(
-        map(Lapping, zip(squared_envelopes(whitened, tree, points))),
+        map(OverlappingParts, zip(squared_envelopes(whitened, tree, points))),
         points * tree.bin_hz,
         bands=len(tree.bands),
         max_hz=max_hz,
@@ -180,7 +180,7 @@ def test_ranks_of_columns_are_those_of_sorting(rng, kind, count, columns):
 
 @pytest.mark.parametrize('bands', [1, 3, 8])
 def test_logarithms_of_an_envelope_spectrum_are_those_of_power_over_floor(rng, bands):
-    part = Lapping([rng.exponential(size=(1280, 2 * bands)).astype(np.float32)])
+    part = OverlappingParts([rng.exponential(size=(1280, 2 * bands)).astype(np.float32)])
     # Logarithms are taken sixteen at a time, and 499 lines are no multiple of it.
     found = envelope_spectra([part], 1280.0, bands=bands, max_hz=499.0, floor_width=64)
     for band in range(bands):
@@ -195,7 +195,7 @@ def test_points_of_an_envelope_do_not_change_its_spectrum(rng, points):
     tree = band_tree(12_800, 1.0, depth=3, narrowest_hz=700.0)
     few, many = (
         envelope_spectra(
-            map(Lapping, zip(squared_envelopes(white, tree, count))),
+            map(OverlappingParts, zip(squared_envelopes(white, tree, count))),
             float(count),
             bands=len(tree.bands),
             max_hz=500.0,

@@ -82,8 +82,8 @@ def test_a_loaded_state_knows_on_which_samples_a_window_rests():
     _push(diagnoser, fault_signal(5.0), first=1000)
     again.load(diagnoser.save())
     # On the second before it, where the run has one.
-    assert again.rests_on(1000 + 3 * 25600) == 1000 + 2 * 25600
-    assert again.rests_on(1000) == 1000
+    assert again.first_needed_sample(1000 + 3 * 25600) == 1000 + 2 * 25600
+    assert again.first_needed_sample(1000) == 1000
 
 
 def test_full_window_equals_the_record():

@@ -15,7 +15,7 @@ from bearing_twin.assets.template import MessageTemplate
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import (
     state_message,
-    StateTurns,
+    StateSchedule,
     TwinBytes,
     vibration_message,
 )
@@ -89,16 +89,16 @@ def test_a_number_that_is_not_in_the_bytes_as_it_should_is_refused():
 
 def test_the_state_has_its_turn_or_a_reason():
     blocks = [Due(k * 1024, 0, 0.0, k + 1) for k in range(50)]
-    assert all(StateTurns(0.0, 0.04).wants(due, 20.0) for due in blocks)
-    turns = [StateTurns(5.0, 0.04, turn) for turn in range(5)]
+    assert all(StateSchedule(0.0, 0.04).wants(due, 20.0) for due in blocks)
+    turns = [StateSchedule(5.0, 0.04, turn) for turn in range(5)]
     chosen = [[k for k, due in enumerate(blocks) if each.wants(due, 20.0)] for each in turns]
     for each in chosen:
         assert each[0] == 0
         assert {b - a for a, b in pairwise(each[1:])} == {5}
     assert len({each[1] % 5 for each in chosen}) == 5
-    one = StateTurns(5.0, 0.04)
+    one = StateSchedule(5.0, 0.04)
     seen = [k for k, due in enumerate(blocks) if one.wants(due, 20.0 + (k >= 7) + (k >= 8))]
     assert seen == [0, 4, 7, 8, 9, *range(14, 50, 5)]
     # 6.25 blocks a second: four of five have a state.
-    fleet = StateTurns(5.0, 0.16)
+    fleet = StateSchedule(5.0, 0.16)
     assert sum(fleet.wants(due, 20.0) for due in blocks) == pytest.approx(40, abs=1)

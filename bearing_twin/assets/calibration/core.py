@@ -13,13 +13,13 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.calibration.fitted import GEOMETRY, Likeness
 from bearing_twin.assets.calibration.record import Record
 from bearing_twin.assets.calibration.task import Task
-from bearing_twin.assets.calibration.verdict import Heard, Verdicts
+from bearing_twin.assets.calibration.verdict import RecordVerdict, Verdicts
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.parameters.diagnosis import build_bearing
 from bearing_twin.calibration import Calibration as Fitted
 from bearing_twin.calibration.candidates.passage import load_range
 from bearing_twin.calibration.fit import decimated
-from bearing_twin.calibration.residual import MOVED, Residuals, Unexplained
+from bearing_twin.calibration.residual import MOVED, ResidualDecision, Residuals
 from bearing_twin.diagnosis.streaming import same_rate
 from bearing_twin.dynamics.equations.sensor_path import BAND_HZ, band_levels, distance
 from bearing_twin.dynamics.parameters import check_bearing
@@ -82,7 +82,7 @@ class CalibrationCore:
         # To detect a repair: whether a defect was named, and since when the bearing is healthy.
         self._damaged, self._well_since = False, math.inf
         self._changed = ''
-        self.unexplained = Unexplained(math.nan, '', math.nan, 'nothing was fitted yet')
+        self.unexplained = ResidualDecision(math.nan, '', math.nan, 'nothing was fitted yet')
         self.waiting = ''
         """What a fit needs besides vibration; '' if nothing is missing."""
 
@@ -159,12 +159,12 @@ class CalibrationCore:
             first_sample=first,
         )
 
-    def _heard(self) -> Heard:
+    def _heard(self) -> RecordVerdict:
         """Return the verdict of the diagnosis on the record."""
         record = self._record
         return self._verdicts.of(record.newest.frame_id, record.end, record.sample_rate)
 
-    def _follow_repair(self, heard: Heard, now: float) -> None:
+    def _follow_repair(self, heard: RecordVerdict, now: float) -> None:
         """Count a repair when a bearing with a defect has been healthy for ``REPAIRED_S``."""
         if heard.place is None:
             # A missing or uncertain verdict does not mean healthy.
@@ -179,7 +179,7 @@ class CalibrationCore:
             self._repairs += 1
             self._seen.clear()
 
-    def _contradicted(self, heard: Heard) -> bool:
+    def _contradicted(self, heard: RecordVerdict) -> bool:
         """Return whether the diagnosis names another place than the newest calibration."""
         old = self._latest
         return old is not None and heard.place not in (None, old.defect)
@@ -240,7 +240,7 @@ class CalibrationCore:
             if not said:
                 self._reference = done.found
                 said = 'this calibration is the healthy twin: the next ones are compared with it'
-            self.unexplained = Unexplained(math.nan, '', math.nan, said)
+            self.unexplained = ResidualDecision(math.nan, '', math.nan, said)
         elif decides:
             self._decided = now
             found = self._residuals.update(
@@ -263,7 +263,7 @@ class CalibrationCore:
         self._residuals, self._reference, self._repairs = Residuals(), None, 0
         self._seen.clear()
         said = 'the healthy twin and its residual are learnt anew'
-        self.unexplained = Unexplained(math.nan, '', math.nan, said)
+        self.unexplained = ResidualDecision(math.nan, '', math.nan, said)
         return said
 
     def _message(self, task: Task, done: Fit) -> Calibration:

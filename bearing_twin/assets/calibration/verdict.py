@@ -25,7 +25,7 @@ _ALIKE = 1e-3
 """Largest relative difference of the orders of one bearing, due to rounding of its geometry."""
 
 
-class Heard(NamedTuple):
+class RecordVerdict(NamedTuple):
     """Verdict of the diagnosis on a record."""
 
     place: str | None
@@ -78,16 +78,16 @@ class Verdicts:
             for hertz, order in ((message.bpfo, own.bpfo), (message.bpfi, own.bpfi))
         )
 
-    def of(self, frame_id: str, end: int, sample_rate: float) -> Heard:
+    def of(self, frame_id: str, end: int, sample_rate: float) -> RecordVerdict:
         """Return the verdict on a record of a sensor that ends before sample ``end``."""
         said = self._newest
         if said is None:
-            return Heard(
+            return RecordVerdict(
                 None, self._other or 'no diagnosis was heard, start the diagnosis node beside this'
             )
         alike = same_rate(said.sample_rate, sample_rate)
         if not (said.header.frame_id == frame_id and alike):
-            return Heard(
+            return RecordVerdict(
                 None,
                 f'the diagnosis is of sensor {said.header.frame_id!r} at {said.sample_rate:g} Hz, '
                 f'not of {frame_id!r} at {sample_rate:g} Hz',
@@ -95,11 +95,11 @@ class Verdicts:
         age = (end - said.first_sample - said.sample_count) / sample_rate
         oldest = max(OLDEST_S, 2.0 * said.sample_count / sample_rate)
         if age > oldest:
-            return Heard(
+            return RecordVerdict(
                 None, f'the last verdict is {age:.0f} s old, and {oldest:.0f} s is the most'
             )
         if age < -AHEAD_S:
-            return Heard(None, 'the last verdict is older than the restart of the source')
+            return RecordVerdict(None, 'the last verdict is older than the restart of the source')
         if said.level == said.LEVEL_FAULT and said.faults and said.faults[0] in PLACES:
-            return Heard(str(said.faults[0]))
-        return Heard('none' if said.level == said.LEVEL_OK else None)
+            return RecordVerdict(str(said.faults[0]))
+        return RecordVerdict('none' if said.level == said.LEVEL_OK else None)

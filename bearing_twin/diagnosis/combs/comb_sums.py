@@ -197,7 +197,7 @@ def best_bands(
 
 
 @compiled(borrows=True)
-def likeliest(
+def best_with_slip_cost(
     z: NDArray[np.float64],
     orders: NDArray[np.float64],
     order: float,
@@ -231,7 +231,7 @@ def likeliest(
 
 
 @compiled(borrows=True)
-def highest_off(
+def highest_elsewhere(
     z: NDArray[np.float64],
     orders: NDArray[np.float64],
     uncertainty: float,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.signal.lines import without_highest
+from bearing_twin.diagnosis.signal.lines import without_two_highest
 from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
@@ -83,7 +83,7 @@ def low_lines(
     def scores(hertz: NDArray[np.float64]) -> NDArray[np.float64]:
         # The two highest do not count: lines of a gear may lie on a harmonic or two.
         sums = np.empty(len(hertz))
-        without_highest(logs[:-1], hertz, bin_hz, _LOWEST, len(numbers), sums)
+        without_two_highest(logs[:-1], hertz, bin_hz, _LOWEST, len(numbers), sums)
         return sums / (len(numbers) - _OTHERS)
 
     step = 0.5 * bin_hz / numbers[-1]

@@ -12,7 +12,7 @@ from bearing_twin.diagnosis.combs.candidate import Candidate, RACES, UNTESTED
 from bearing_twin.diagnosis.combs.comb import comb_scores, OrderSpectra
 from bearing_twin.diagnosis.combs.comb_harmonics import CombHarmonics
 from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands, SIDEBANDS
-from bearing_twin.diagnosis.combs.comb_sums import highest_off, likeliest
+from bearing_twin.diagnosis.combs.comb_sums import best_with_slip_cost, highest_elsewhere
 from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
 from bearing_twin.diagnosis.combs.sidebands import modulation_index, sideband_ratio
 from bearing_twin.diagnosis.signal.lines import count_shown
@@ -76,7 +76,9 @@ class CombSearch:
         order, slope = self.expected.of(place)
         grid = self._between(place, slips)
         z = self._scores.score(spectra, grid)
-        return likeliest(z, grid, order, self.expected.uncertainty * order, slope, SLIP_COST)
+        return best_with_slip_cost(
+            z, grid, order, self.expected.uncertainty * order, slope, SLIP_COST
+        )
 
     def _between(self, place: str, slips: tuple[float, float]) -> NDArray[np.float64]:
         """Return the orders of a place in a range of slip, 1/8 bin apart."""
@@ -119,7 +121,7 @@ class CombSearch:
         """Return the best comb of a grid off the shaft's multiples and off the cage's orders."""
         # A ball in and out of the load zone makes lines of the cage: they belong to the bearing.
         cage = self.expected.cage()
-        at = highest_off(z, grid, self.expected.uncertainty, 1.25 * self.spectra.step, *cage)
+        at = highest_elsewhere(z, grid, self.expected.uncertainty, 1.25 * self.spectra.step, *cage)
         return self._of_no_place(spectra, float(grid[at]), float(z[at]))
 
     def _of_no_place(self, spectra: OrderSpectra, order: float, z: float) -> Candidate:

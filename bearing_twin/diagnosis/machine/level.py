@@ -59,7 +59,7 @@ def is_urgent(level: str, velocity_rms: float, stage: int = 0) -> bool:
     return (level == 'fault' and stage not in (1, 2)) or velocity_rms > HIGHEST_LIMIT
 
 
-def raised(diagnosis: Diagnosis) -> Diagnosis:
+def with_required_level(diagnosis: Diagnosis) -> Diagnosis:
     """
     Return a diagnosis with its level raised to the one of the vibration severity, and the reason.
 
@@ -73,7 +73,8 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     >>> from bearing_twin.diagnosis.report import insufficient
     >>> verdict = insufficient(['too short'], find_bearing('6307'))
     >>> worn = replace(verdict, severity=replace(verdict.severity, iso_zone='D'))
-    >>> raised(worn).level, raised(worn).result, raised(worn).reasons[-1]
+    >>> raised = with_required_level(worn)
+    >>> raised.level, raised.result, raised.reasons[-1]
     ('fault', 'ambiguous', 'zone D of ISO 20816-3 is a fault; place unknown')
 
     """
@@ -101,15 +102,15 @@ def raised(diagnosis: Diagnosis) -> Diagnosis:
     )
 
 
-def staged(diagnosis: Diagnosis) -> Diagnosis:
+def with_fault_stage(diagnosis: Diagnosis) -> Diagnosis:
     """
     Return a diagnosis with the stage of its fault, 0 if its level is not *fault*.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
     >>> verdict = replace(insufficient(['too short'], find_bearing('6307')), level='fault')
-    >>> staged(verdict).severity.stage, staged(replace(verdict, level='ok')).severity.stage
-    (1, 0)
+    >>> with_fault_stage(verdict).severity.stage
+    1
 
     """
     severity, stage = diagnosis.severity, 0

@@ -11,7 +11,13 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import FAULT_CODES
 from bearing_twin.diagnosis.machine.baseline import Memory
 from bearing_twin.diagnosis.machine.dependence import Condition, KNOWN_DB, Z90
-from bearing_twin.diagnosis.machine.level import FALLEN, FAULT_DB, raised, staged, SUSPECT_DB
+from bearing_twin.diagnosis.machine.level import (
+    FALLEN,
+    FAULT_DB,
+    SUSPECT_DB,
+    with_fault_stage,
+    with_required_level,
+)
 from bearing_twin.diagnosis.machine.onset import Rise
 from bearing_twin.diagnosis.rules.table import NOTHING_SHOWS
 from bearing_twin.diagnosis.signal.severity import band_name, MEASURES, watched
@@ -158,7 +164,7 @@ class Trend:
         if not self.source.sample_rate:
             self.source = source
         if memory.base is None:
-            alone = raised(diagnosis).level
+            alone = with_required_level(diagnosis).level
             self.doubtful += full and alone in ('suspect', 'fault')
             louder = memory.over(levels, now)[0] >= SUSPECT_DB
             # If no fault could show, the level is as good as that of a healthy window.
@@ -168,7 +174,7 @@ class Trend:
                 self.count += 1
                 if memory.learn(self.count, levels, now, wanted, _MOST_OVER_DB):
                     memory.windows.clear()
-        own = raised(self._compared(diagnosis, levels, now, wanted))
+        own = with_required_level(self._compared(diagnosis, levels, now, wanted))
         if full:
             self.minute.append([*now, *levels])
             if len(self.minute) >= minute:
@@ -240,7 +246,7 @@ class Trend:
         fallen = own.severity.level_over_baseline <= -FAULT_DB
         stands = self.level in ('suspect', 'fault') or (self.level == 'ok' and not fallen)
         held = own.level != 'none' or stands
-        shown = staged(self._held(own, hold, full) if held else own)
+        shown = with_fault_stage(self._held(own, hold, full) if held else own)
         stage = shown.severity.stage
         if own.level == shown.level:
             self.stage = stage

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS, PLACES
-from bearing_twin.diagnosis.machine.level import raised
+from bearing_twin.diagnosis.machine.level import with_required_level
 from bearing_twin.diagnosis.rules.table import RULES
-from bearing_twin.diagnosis.signal.severity import of_length
+from bearing_twin.diagnosis.signal.severity import valid_for_length
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.chain import Analysis
@@ -42,8 +42,8 @@ def answer_alone(analysis: Analysis) -> Diagnosis:
 
     """
     found, excerpt = analysis.alone, analysis.excerpt
-    severity = of_length(found.severity, len(excerpt.samples), excerpt.sample_rate)
-    return raised(replace(found, severity=severity))
+    severity = valid_for_length(found.severity, len(excerpt.samples), excerpt.sample_rate)
+    return with_required_level(replace(found, severity=severity))
 
 
 @dataclass

@@ -24,7 +24,7 @@ from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMIN
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
-from bearing_twin.diagnosis.series.state import Kept
+from bearing_twin.diagnosis.series.state import SeriesMemory
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import FAINTEST, LARGEST
 from bearing_twin.diagnosis.signal.severity import (
@@ -33,7 +33,7 @@ from bearing_twin.diagnosis.signal.severity import (
     Levels,
     measure_severity,
     MEASURES,
-    of_length,
+    valid_for_length,
     watched,
 )
 from bearing_twin.errors import BearingTwinError
@@ -119,7 +119,7 @@ class SeriesMonitor:
             raise BearingTwinError(msg)
         self._given = law
         self._bearing = bearing
-        self._kept = Kept()
+        self._kept = SeriesMemory()
         self._levels: list[NDArray[np.float64]] = []
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
@@ -182,7 +182,7 @@ class SeriesMonitor:
             power_group=self._settings.power_group, mounting=self._settings.mounting,
             shaft_hz=shaft_hz,
         )  # fmt: skip
-        severity = of_length(severity, len(signal), sample_rate)
+        severity = valid_for_length(severity, len(signal), sample_rate)
         levels = watched(severity)
         changes, deviations = self._changes_at(now)
         if memory.fallen(float(levels[0] - changes[0]), now, FAULT_DB):
@@ -413,7 +413,7 @@ class SeriesMonitor:
             If the data is anything else. The monitor must not be used then.
 
         """
-        self._kept = restored(Kept, values['kept'])
+        self._kept = restored(SeriesMemory, values['kept'])
         self._levels = list(arrays['levels'])
         if arrays['levels'].shape != (len(self._kept.points), len(MEASURES)):
             msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'

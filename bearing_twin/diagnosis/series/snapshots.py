@@ -13,7 +13,7 @@ import zlib
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.machine.level import staged, UNKNOWN
+from bearing_twin.diagnosis.machine.level import UNKNOWN, with_fault_stage
 from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
@@ -176,7 +176,7 @@ class SeriesDiagnoser:
 
     def judge(self, analysis: Analysis) -> Diagnosis:
         """Return the diagnosis of a snapshot together with all earlier ones."""
-        return staged(self._judged(analysis))
+        return with_fault_stage(self._judged(analysis))
 
     def _judged(self, analysis: Analysis) -> Diagnosis:
         excerpt, time = analysis.excerpt, self._due.popleft()

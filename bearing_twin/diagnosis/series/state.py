@@ -18,7 +18,7 @@ from bearing_twin.errors import BearingTwinError
 
 
 @dataclass
-class Kept:
+class SeriesMemory:
     """State of a monitor without its arrays; it is saved as it is."""
 
     memory: Memory = field(default_factory=Memory)
@@ -68,7 +68,7 @@ class Kept:
 
         Examples
         --------
-        >>> kept = Kept()
+        >>> kept = SeriesMemory()
         >>> [kept.hold(600.0 * n, 'ok' if n else 'fault', 3600.0) for n in range(11)].index(True)
         9
         >>> kept.held, kept.alarms

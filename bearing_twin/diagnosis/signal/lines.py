@@ -91,7 +91,7 @@ def count_shown(hidden: NDArray[np.bool_], order: float, step: float, harmonics:
 
 
 @compiled(borrows=True)
-def without_highest(
+def without_two_highest(
     logs: NDArray[np.float32],
     hertz: NDArray[np.floating],
     bin_hz: float,

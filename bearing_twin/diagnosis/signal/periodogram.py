@@ -39,12 +39,12 @@ _FIRST = 20, 16
 """Possible factors of a first pass that takes its rows from segments."""
 
 
-class Lapping(NamedTuple):
+class OverlappingParts(NamedTuple):
     """
     A record in overlapping parts that fade into one another.
 
     >>> parts = [np.ones((6, 2), np.float32), np.full((6, 2), 2.0, np.float32)]
-    >>> Lapping(parts, 2).joined()[:, 0].tolist()
+    >>> OverlappingParts(parts, 2).joined()[:, 0].tolist()
     [1.0, 1.0, 3.0, 3.0, 2.0, 2.0, 2.0, 2.0]
 
     """
@@ -71,7 +71,7 @@ class Lapping(NamedTuple):
         return whole
 
 
-def _transform_lapping(x: Lapping, each: int) -> NDArray[np.float32]:
+def _transform_lapping(x: OverlappingParts, each: int) -> NDArray[np.float32]:
     """
     Return the transform of parts, with ``each`` points a row, as `transform_rows` of the whole.
 
@@ -142,7 +142,7 @@ def _transform_parts(
     transform_passes(rows, left, turns, radices, work, other)
 
 
-def power_of_lines(x: Lapping, power: NDArray[np.float32], first: int) -> None:
+def power_of_lines(x: OverlappingParts, power: NDArray[np.float32], first: int) -> None:
     """
     Write the power of the lines of squared envelopes relative to the power of their mean.
 
@@ -160,7 +160,7 @@ def power_of_lines(x: Lapping, power: NDArray[np.float32], first: int) -> None:
 
     >>> x = 1.0 + np.cos(2.0 * np.pi * 3.0 / 64.0 * np.arange(64.0))[:, np.newaxis]
     >>> power = np.empty((6, 1), np.float32)
-    >>> power_of_lines(Lapping([x.astype(np.float32)]), power, 0)
+    >>> power_of_lines(OverlappingParts([x.astype(np.float32)]), power, 0)
     >>> power[:, 0].round(4).tolist()
     [0.0, 0.0625, 0.25, 0.0625, 0.0, 0.0]
 

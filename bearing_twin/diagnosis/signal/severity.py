@@ -257,7 +257,7 @@ def watched(severity: Severity) -> list[float]:
     return [round(10.0 * math.log10(height), 6) for height in heights]
 
 
-def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
+def valid_for_length(severity: Severity, count: int, sample_rate: float) -> Severity:
     """
     Return the severity of ``count`` samples at ``sample_rate`` Hz: too few have no velocity.
 
@@ -266,7 +266,7 @@ def of_length(severity: Severity, count: int, sample_rate: float) -> Severity:
     >>> measured = measure_severity(
     ...     parts, unit='m/s^2', power_group=1, mounting='rigid', shaft_hz=25.0
     ... )
-    >>> [of_length(measured, n, 25600.4).iso_zone for n in (25600, 12800)]
+    >>> [valid_for_length(measured, n, 25600.4).iso_zone for n in (25600, 12800)]
     ['A', '']
 
     """

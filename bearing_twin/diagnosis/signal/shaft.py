@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.diagnosis.signal.lines import without_highest
+from bearing_twin.diagnosis.signal.lines import without_two_highest
 from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
 from bearing_twin.errors import BearingTwinError
@@ -117,7 +117,7 @@ def _comb(
     """Return the sum over the harmonics of each fundamental, without the two highest."""
     # A fault order near an integer imitates one harmonic and its double; the shaft has more.
     sums = np.empty(len(hertz))
-    without_highest(logs, hertz, bin_hz, 1, _HARMONICS, sums)
+    without_two_highest(logs, hertz, bin_hz, 1, _HARMONICS, sums)
     return sums
 
 

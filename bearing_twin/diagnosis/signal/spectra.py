@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import functools
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.signal.periodogram import Lapping, power_of_lines
+from bearing_twin.diagnosis.signal.periodogram import OverlappingParts, power_of_lines
 from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L, load, logarithm, split, store
@@ -306,7 +306,7 @@ class EnvelopeSpectra:
 
 
 def envelope_spectra(
-    envelopes: Iterable[Lapping],
+    envelopes: Iterable[OverlappingParts],
     rate: float,
     *,
     bands: int,
@@ -334,7 +334,7 @@ def envelope_spectra(
         Bins in a block of the floor.
 
     >>> noise = np.random.default_rng(0).exponential(size=(2, 1280, 4)).astype(np.float32)
-    >>> envelopes = [Lapping([part]) for part in noise]
+    >>> envelopes = [OverlappingParts([part]) for part in noise]
     >>> found = envelope_spectra(envelopes, 1280.0, bands=4, max_hz=500.0, floor_width=64)
     >>> found.logs.shape, found.power.shape, found.bin_hz
     ((500, 8), (4, 500), 1.0)

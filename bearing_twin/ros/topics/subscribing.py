@@ -95,7 +95,7 @@ def subscribe(
     )
 
 
-def unheard(node: Node, subscription: Subscription[Any], text: str) -> str:
+def with_mismatch_reasons(node: Node, subscription: Subscription[Any], text: str) -> str:
     """Return ``text``, with the reasons why messages of existing publishers cannot arrive."""
     kind = subscription.msg_type
     name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'

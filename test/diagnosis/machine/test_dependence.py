@@ -15,7 +15,7 @@ from bearing_twin.diagnosis.machine.dependence import (
     Slope,
     Z90,
 )
-from bearing_twin.diagnosis.machine.level import raised
+from bearing_twin.diagnosis.machine.level import with_required_level
 from bearing_twin.diagnosis.machine.onset import DECISION_DB, Rise
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.report import insufficient
@@ -192,9 +192,9 @@ def test_what_is_said_of_two_measures_that_are_alike_stays():
 def test_uncertain_correction_raises_no_alarm():
     severity = replace(said(0.0, 20.0).severity, level_over_baseline=6.5, correction_sd=0.5)
     verdict = replace(said(0.0, 20.0), severity=severity)
-    assert raised(verdict).level == 'ok'
+    assert with_required_level(verdict).level == 'ok'
     sure = replace(verdict, severity=replace(severity, correction_sd=0.1))
-    assert raised(sure).level == 'suspect'
+    assert with_required_level(sure).level == 'suspect'
 
 
 def test_small_rise_that_stays_is_suspect_and_says_since_when():

@@ -7,7 +7,7 @@ import math
 
 from bearing_twin.bearing import fault_orders, find_bearing, next_step
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
-from bearing_twin.diagnosis.machine.level import raised, staged
+from bearing_twin.diagnosis.machine.level import with_fault_stage, with_required_level
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.packed import restored
@@ -63,7 +63,7 @@ def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.
 )
 def test_the_level_is_what_combs_baseline_and_zone_ask_for(fresh, known, result, level):
     diagnosis = said(*fresh, **known)
-    found = staged(raised(diagnosis))
+    found = with_fault_stage(with_required_level(diagnosis))
     assert (found.result, found.level, found.faults) == (result, level, diagnosis.faults)
     assert (found.severity.stage > 0) == (level == 'fault')
     why = ' '.join(found.reasons[len(diagnosis.reasons) :])

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Power of the lines of squared envelopes, against a Hann window over time."""
 
-from bearing_twin.diagnosis.signal.periodogram import Lapping, power_of_lines
+from bearing_twin.diagnosis.signal.periodogram import OverlappingParts, power_of_lines
 import numpy as np
 import pytest
 
@@ -33,7 +33,7 @@ def test_power_of_lines_is_that_under_a_hann_window(rng, points, bands, parts, l
         x[number * hop - lap : number * hop] += cut[number, :lap]
     before, power = cut.copy(), np.empty((points // 2 - 1, bands), np.float32)
     for first in range(0, bands, 16):
-        power_of_lines(Lapping(list(cut[:, :, first : first + 16]), lap), power, first)
+        power_of_lines(OverlappingParts(list(cut[:, :, first : first + 16]), lap), power, first)
     assert (cut == before).all()
     relative = x / x.mean(axis=0, dtype=float) - 1.0
     window = 1.0 - np.cos(2.0 * np.pi * np.arange(points) / points)
