@@ -19,6 +19,7 @@ from bearing_twin.diagnosis.machine.level import (
     with_required_level,
 )
 from bearing_twin.diagnosis.machine.onset import Rise
+from bearing_twin.diagnosis.rules.confidence import kind_of
 from bearing_twin.diagnosis.rules.table import NOTHING_SHOWS
 from bearing_twin.diagnosis.signal.severity import band_name, MEASURES, watched
 from bearing_twin.errors import BearingTwinError
@@ -106,6 +107,8 @@ class Trend:
     """Number of verdicts in a row with that level."""
     answer: str = ''
     """Held answer at the held level, with its faults: ``'ambiguous ball cage'``."""
+    rule: str = ''
+    """Rule that decided on the held answer."""
     confidence: float = 0.0
     """Confidence of the held answer."""
     stage: int = 0
@@ -284,7 +287,7 @@ class Trend:
         known = own.level != 'none' or self.level == 'suspect'
         before, level = self.level, self._hold(own.level, hold) if known else self.level
         if level == 'none':
-            self.level = self.answer = ''
+            self.level = self.answer = self.rule = ''
             return own
         if not known and level == 'ok':
             if self._another(said, hold):
@@ -292,7 +295,7 @@ class Trend:
         elif own.level != level:
             self.other, self.other_count = '', 0
         elif level != before or said == self.answer or self._another(said, hold):
-            self.answer, self.confidence = said, own.confidence
+            self.answer, self.rule, self.confidence = said, own.rule, own.confidence
             self.other, self.other_count = '', 0
         if (own.level, said) == (level, self.answer):
             return own
@@ -309,9 +312,11 @@ class Trend:
             own,
             result=result,
             level=level,
+            rule=self.rule,
             faults=tuple(faults),
             fault_code=FAULT_CODES[result],
             confidence=self.confidence,
+            kind=kind_of(result, level, faults, self.rule),
             reasons=(*own.reasons, text),
             window=(own.result, own.level),
         )

@@ -152,7 +152,7 @@ def kind_of(result: str, level: str, faults: Sequence[str], rule: str) -> str:
     if result in PLACES:
         # A named place without an alarm has the confidence of a suspicion.
         return 'suspect' if level == 'suspect' else 'fault'
-    if rule in _OF_ELSE or (result == 'suspect' and not faults):
+    if rule in _OF_ELSE or (result in ('suspect', 'ambiguous') and not faults):
         return 'elsewhere'
     return result
 

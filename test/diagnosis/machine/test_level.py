@@ -10,6 +10,7 @@ from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, Streaming
 from bearing_twin.diagnosis.machine.level import with_fault_stage, with_required_level
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
 from bearing_twin.packed import restored
 import numpy as np
 import pytest
@@ -424,3 +425,22 @@ def test_a_standing_shaft_has_no_zone_and_c_is_a_lower_bound():
     }
     told = [(d.severity.iso_zone, d.level) for d in zones.values()]
     assert told == [('C', 'suspect'), ('C', 'suspect'), ('', 'none')]
+
+
+def test_a_held_answer_keeps_its_rule_and_what_its_confidence_is_about():
+    shaft = replace(said('ambiguous', 'fault', 'outer'), rule='whole_turns', confidence=0.97)
+    race = replace(said('ambiguous', 'fault', 'outer', 'inner'), rule='same_lines')
+    for held, window, kind in ((shaft, race, 'elsewhere'), (race, shaft, 'ambiguous')):
+        *_, last = _answers([held] * 3 + [window])
+        assert (last.faults, last.window[0]) == (held.faults, 'ambiguous')
+        assert (last.rule, last.confidence, last.kind) == (held.rule, held.confidence, kind)
+    # Where the windows go on to another answer, so does its rule.
+    assert _answers([shaft] * 3 + [race] * 3)[-1].rule == 'same_lines'
+
+
+def test_bursts_that_the_level_makes_a_fault_claim_no_place():
+    loud = replace(said('suspect', 'suspect', over=13.0), rule='bursts', confidence=0.97)
+    found = with_required_level(loud)
+    assert (found.result, found.level, found.faults) == ('ambiguous', 'fault', ())
+    kind = kind_of(found.result, '', found.faults, found.rule)
+    assert CLAIMS[kind] == 'that something strikes, not which part'
