@@ -12,7 +12,7 @@ from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.machine.dependence import Z90
-from bearing_twin.diagnosis.machine.level import is_urgent, UNKNOWN
+from bearing_twin.diagnosis.machine.level import is_urgent, SUSPECT_DB, UNKNOWN
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
 from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
@@ -100,9 +100,15 @@ def next_step(diagnosis: Any) -> str:
         _stage(diagnosis),
         urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms'), _stage(diagnosis)),
         standing=shaft_speed(diagnosis) == 'standing',
-        tells=TELLS.get(str(getattr(diagnosis, 'rule', '')), ''),
+        tells='' if _is_louder(diagnosis) else TELLS.get(str(getattr(diagnosis, 'rule', '')), ''),
     )
     return f'{step[0].upper()}{step[1:]}.'
+
+
+def _is_louder(diagnosis: Any) -> bool:
+    """Whether the level has doubled or is in zone C or D: then more is asked than the cause."""
+    over = recorded(diagnosis, 'level_over_baseline')
+    return over >= SUSPECT_DB or str(getattr(diagnosis, 'iso_zone', '')) in ('C', 'D')
 
 
 def _stage(diagnosis: Any) -> int:

@@ -268,9 +268,14 @@ def test_what_something_sound_explains_as_well_is_not_sure_and_orders_no_bearing
     message = SimpleNamespace(
         result_name=result, rule=name, level={'suspect': SUSPECT, 'fault': FAULT}[level],
         faults=faults, stage=2.0 * (level == 'fault'), shaft_hz=25.0, shaft_hz_given=25.0,
-        velocity_rms=float('nan'),
+        velocity_rms=float('nan'), level_over_baseline=5.9, iso_zone='B',
     )  # fmt: skip
     assert next_step(message).casefold() == f'{TELLS[name]}.'.casefold()
+    # A level that has doubled answers what comparing with an earlier record would.
+    louder = SimpleNamespace(**vars(message) | {'level_over_baseline': 6.1})
+    worn = SimpleNamespace(**vars(message) | {'iso_zone': 'C'})
+    assert next_step(louder).casefold() != f'{TELLS[name]}.'.casefold()
+    assert next_step(louder) == next_step(worn)
     # A vibration that is that of a damaged machine asks for more.
     message.stage = 4.0
     assert 'find the cause' in next_step(message).casefold() or level == 'suspect'
