@@ -89,7 +89,8 @@ def strikes_each_turn(e: Evidence) -> Verdict | None:
     'ambiguous',
     'Rectifiers and converters pulse twice a period of the mains, and swell with no shaft.',
     at_most=EVEN,
-    tells='record at a speed some per cent off: pulses of the mains keep their frequency',
+    tells='record at a speed some per cent off, or while the machine coasts down: pulses of the '
+    'mains keep their frequency or end',
 )
 def mains_pulses(e: Evidence) -> Verdict | None:
     sways = e.leading.place == 'inner' and e.leading.shaft_sideband_ratio >= SWAY
@@ -155,7 +156,8 @@ def smooth(e: Evidence) -> Verdict | None:
 @rule(
     'ambiguous',
     'What strikes a whole number of times a turn may be a part of the shaft.',
-    tells='compare the speed with a tachometer and look at the coupling, then record again',
+    tells='compare the speed with a tachometer, look at the coupling, and record again; until '
+    'that is known measure weekly',
 )
 def whole_turns(e: Evidence) -> Verdict | None:
     # A place at an unlikely slip is no alarm, and its reasons ask for the speed.

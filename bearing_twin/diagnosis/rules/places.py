@@ -151,7 +151,7 @@ def uncertain_second(e: Evidence) -> Verdict | None:
 
 @rule(
     'suspect',
-    'Weak combs of both races that one cage makes are of no single spall.',
+    'Weak combs of both races that one cage makes are not of one spall.',
     faint=True,
     at_most=EVEN,
     tells='compare with an earlier record; look for standstill, a wrong fit and bearing currents',
@@ -162,7 +162,7 @@ def both_races(e: Evidence) -> Verdict | None:
     other, n_balls = e.other_race, e.bearing.n_balls
     text = (
         f'{other.place} shows too, at {other.order:.3f} orders: together {n_balls}, as one cage '
-        f'makes them with {n_balls} balls; a spall marks one race; a damaged ball, standstill, '
+        f'makes them with {n_balls} balls; one spall marks one race; a damaged ball, standstill, '
         'mounting or currents mark both, and sound races may have waves'
     )
     places = (e.leading.place, other.place, 'ball')
