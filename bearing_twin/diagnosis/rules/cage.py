@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.rules.rule import rule
+from bearing_twin.diagnosis.rules.rule import EVEN, rule
 from bearing_twin.diagnosis.rules.verdict import NO_ALARM, say
 from bearing_twin.diagnosis.signal.gate import CAGE_TURNS
 from bearing_twin.diagnosis.thresholds import (
@@ -40,7 +40,12 @@ def ball_ripple(e: Evidence) -> Verdict | None:
     return say(e, text, about=ball, level='fault')
 
 
-@rule('ball', 'Impacts in groups, once a cage turn, keep the time of a ball within each group.')
+@rule(
+    'ball',
+    'Impacts in groups, once a cage turn, keep the time of a ball within each group.',
+    # Of 13 simulated ones 7 are right; most of the others are damaged cages.
+    at_most=EVEN,
+)
 def ball_passages(e: Evidence) -> Verdict | None:
     ball = e.candidates['ball']
     # A load does not raise the kurtosis of healthy parts, or their cyclic spectrum, as much.
