@@ -22,6 +22,8 @@ CONFIRMING = 5
 """Number of snapshots whose median is judged: two of five may be disturbed."""
 
 _WHY = {rule.name: rule.why.rstrip('.') for rule in RULES if rule.answer == 'ambiguous'}
+_TELLS = frozenset(rule.name for rule in RULES if rule.answer == 'suspect' and rule.tells)
+"""Rules of suspicions that have a next step of their own."""
 
 NEWEST = 2 * CONFIRMING - 1
 """Number of answers that are kept: the level that ``CONFIRMING`` reach is their median."""
@@ -63,8 +65,9 @@ class Answers:
     """
 
     newest: list[list[str]] = field(default_factory=list)
-    """Level, faulty place ('' if none or several) and first reason of each answer; of an ambiguous
-    one the rule that decided and the places that it leaves open."""
+    """Level, faulty place ('' if none or several) and first reason of each answer. An ambiguous
+    one has the rule that decided and the places that it leaves open; a suspicion with a next step
+    of its own has its rule instead of a place."""
 
     def add(self, answer: Diagnosis) -> None:
         """Take an answer."""
@@ -73,6 +76,8 @@ class Answers:
         if answer.rule in _WHY and answer.faults:
             # It may be about a place and something else.
             named, reason = answer.rule, ' or '.join(answer.faults)
+        elif answer.rule in _TELLS:
+            named = answer.rule
         self.newest.append([answer.level, named, reason])
         del self.newest[:-NEWEST]
 
@@ -91,7 +96,7 @@ class Answers:
     @property
     def doubt(self) -> str:
         """Rule by which most of the answers that make the level name no place; '' of none."""
-        rules = [named if named in _WHY else '' for said, named, _ in self.newest
+        rules = ['' if named in PLACES else named for said, named, _ in self.newest
                  if self._agrees(said)]  # fmt: skip
         rule, count = Counter(rules).most_common(1)[0] if rules else ('', 0)
         return rule if 2 * count > len(rules) else ''
@@ -107,14 +112,22 @@ class Answers:
             mute = [why for said, _, why in self.newest if said == 'none']
             if len(mute) < CONFIRMING:
                 return ''
-            return f'{len(mute)} {of} say nothing ({Counter(mute).most_common(1)[0][0]})'
+            text, why = f'{len(mute)} {of} say nothing', Counter(mute).most_common(1)[0][0]
+            return f'{text} ({why})' if why else text
         place = self.place
-        agree = [answer for answer in self.newest if self._agrees(answer[0])]
         if place:
-            agree = [answer for answer in self.newest if answer[1] == place]
-        text = f'{len(agree)} {of} say {place and f"{place}, "}{level}'
+            count = sum(named == place for _, named, _ in self.newest)
+            return f'{count} {of} say {place}, {level}'
+        agree = [answer for answer in self.newest if self._agrees(answer[0])]
+        same = [answer for answer in agree if answer[0] == level]
+        worse = len(same) < len(agree)
+        text = f'{len(agree)} {of} say {level}{" or worse" if worse else ""}'
+        if level == 'ok':
+            return text
         unsure = Counter((places, rule) for _, rule, places in agree if rule in _WHY)
-        if not unsure:
-            return text if place or level == 'ok' else f'{text}; the last: {agree[-1][2]}'
-        (places, rule), _ = unsure.most_common(1)[0]
-        return f'{text}; {unsure.total()} of them are ambiguous ({places}: {_WHY[rule]})'
+        if unsure:
+            [((places, rule), count)] = unsure.most_common(1)
+            are = 'are' if count > 1 else 'is'
+            return f'{text}; {count} of them {are} ambiguous ({places}: {_WHY[rule]})'
+        last = f'the last {level}' if worse else 'the last'
+        return f'{text}; {last}: {same[-1][2]}' if same[-1][2] else text

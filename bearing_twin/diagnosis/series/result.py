@@ -69,7 +69,8 @@ class SeriesReport:
     """Place that the newest snapshots name alone, or else the place in the averaged envelopes
     since the change; '' without a place, and at the level 'ok'."""
     doubt: str
-    """Rule of the ambiguous answers if these alone raised the level and name no place; else ''."""
+    """Rule of most answers of single snapshots, ambiguous or with a next step of its own, if these
+    answers alone raised the level and name no place; else ''."""
     reasons: tuple[str, ...]
 
     @property

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Answers of single snapshots in the words of the page: no more than the snapshots say."""
+
+from dataclasses import replace
+
+from bearing_twin.bearing import find_bearing
+from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.rules.table import RULES, TELLS
+from bearing_twin.diagnosis.series.alone import Answers
+import pytest
+
+WHY = {rule.name: rule.why.rstrip('.') for rule in RULES}
+TURNS = ['fault', 'whole_turns', 'outer']
+LINES = ['fault', 'same_lines', 'inner or ball']
+OK, SUSPECT, OUTER = ['ok', '', ''], ['suspect', '', 'a comb'], ['fault', 'outer', 'outer: comb']
+
+
+@pytest.mark.parametrize(
+    ('newest', 'said'),
+    [
+        ([OK] * 5 + [TURNS] * 4, '9 of the last 9 snapshots alone say ok or worse'),
+        (
+            [TURNS] * 5 + [LINES] * 4,
+            '9 of the last 9 snapshots alone say fault; 5 of them are ambiguous '
+            f'(outer: {WHY["whole_turns"]})',
+        ),
+        (
+            [SUSPECT] * 8 + [LINES],
+            '9 of the last 9 snapshots alone say suspect or worse; 1 of them is ambiguous '
+            f'(inner or ball: {WHY["same_lines"]})',
+        ),
+        (
+            [SUSPECT] * 5 + [OUTER] * 4,
+            '9 of the last 9 snapshots alone say suspect or worse; the last suspect: a comb',
+        ),
+        ([SUSPECT] * 9, '9 of the last 9 snapshots alone say suspect; the last: a comb'),
+        ([['suspect', '', '']] * 9, '9 of the last 9 snapshots alone say suspect'),
+        ([['none', '', '']] * 9, '9 of the last 9 snapshots alone say nothing'),
+        ([OUTER] * 5 + [TURNS] * 4, '5 of the last 9 snapshots alone say outer, fault'),
+    ],
+)
+def test_page_says_no_more_than_the_snapshots(newest, said):
+    assert str(Answers(newest)) == said
+    assert str(Answers(newest[::-1])) == said
+
+
+@pytest.mark.parametrize('name', TELLS)
+def test_most_answers_of_a_rule_with_a_next_step_give_it_to_the_series(name):
+    """Whether the rule suspects or leaves places open; half of the answers are too few."""
+    [rule] = [rule for rule in RULES if rule.name == name]
+    found = replace(
+        insufficient(['too short'], find_bearing('6203')), result=rule.answer, rule=name,
+        level='suspect', faults=('outer',), reasons=('outer: comb',),
+    )  # fmt: skip
+    answers = Answers()
+    for _ in range(5):
+        answers.add(found)
+    assert (answers.level, answers.place, answers.doubt) == ('suspect', '', name)
+    open_place = f'ambiguous (outer: {WHY[name]})'
+    assert str(answers).endswith(open_place if rule.answer == 'ambiguous' else 'outer: comb')
+    answers.newest[2:] = [SUSPECT] * 2
+    assert answers.doubt == ''
