@@ -7,9 +7,11 @@ import json
 
 from bearing_twin.cli import main
 from bearing_twin.diagnosis.machine.level import SUSPECT_DB
+from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.snapshots import read_snapshots
 from commands import json_lines
+from coupling import coupling_snapshot, GIVEN_HZ
 import numpy as np
 import pytest
 from scipy.io import wavfile
@@ -131,6 +133,23 @@ def test_files_in_any_order_with_one_that_cannot_be_read(tmp_path, capsys):
     assert 's17.npz' in text.err
     assert main([*args, '--channel', 'nothing']) == 1
     assert "no channel 'nothing'" in capsys.readouterr().err
+
+
+def test_page_of_ambiguous_snapshots_says_what_tells(tmp_path, capsys):
+    rng = np.random.default_rng(9)
+    for number in range(5):
+        said = {'fs': RATE, 'rpm': 60.0 * GIVEN_HZ, 'time_s': 600.0 * number}
+        np.savez(tmp_path / f's{number}.npz', x=coupling_snapshot(rng), **said)
+    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6203']
+    assert main(args) == 0
+    page = ' '.join(capsys.readouterr().out.split())
+    why = '5 of them are ambiguous (outer: What strikes a whole number of times a turn'
+    assert f'5 of the last 5 snapshots alone say fault; {why}' in page
+    tells = TELLS['whole_turns']
+    assert page.endswith(f'next step {tells[0].upper()}{tells[1:]}')
+    assert main([*args, '--json']) == 0
+    summary = json_lines(capsys)[-1]
+    assert (summary['level'], summary['place'], summary['doubt']) == ('fault', None, 'whole_turns')
 
 
 def test_times_in_the_names_of_files(tmp_path):
