@@ -52,7 +52,7 @@ class Diagnosis:
     rule: str
     """Name of the rule of :data:`bearing_twin.diagnosis.rules.table.RULES` that decided;
     'record_gate' if the window was refused, 'another_speed' if the lines of the shaft show at
-    another speed than the given one."""
+    another speed than the given one, '' if a series holds an answer that no rule gave."""
     level: str
     faults: tuple[str, ...] = ()
     fault_code: str

@@ -209,17 +209,17 @@ class SeriesDiagnoser:
         unknown = self._monitor.lost and found.level == 'ok'
         if not unknown and LEVELS.index(level) <= LEVELS.index(found.level):
             return found
-        result, faults, confidence = found.result, found.faults, found.confidence
-        if unknown:
-            result, confidence = 'insufficient', UNKNOWN
-        elif level in ('suspect', 'fault'):
-            result, confidence = report.result, UNKNOWN
-            if report.place:
-                faults = (report.place,)
-        return replace(
-            found, level=level, result=result, faults=faults, confidence=confidence,
-            fault_code=FAULT_CODES[result], window=(found.result, found.level),
-        )  # fmt: skip
+        held = replace(found, level=level, window=(found.result, found.level))
+        if unknown or level in ('suspect', 'fault'):
+            # The rule of this snapshot is not that of the series' answer.
+            result = 'insufficient' if unknown else report.result
+            faults = found.faults if report.doubt in ('', found.rule) else ()
+            held = replace(
+                held, result=result, rule=report.doubt, kind='', confidence=UNKNOWN,
+                faults=(report.place,) if report.place else faults,
+                fault_code=FAULT_CODES[result],
+            )  # fmt: skip
+        return held
 
     def save(self) -> bytes:
         """Return the state to keep over a restart: the series without an incomplete snapshot."""

@@ -11,6 +11,7 @@ from bearing_twin.diagnosis.series.snapshots import _VERSION, SeriesDiagnoser
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
+from coupling import coupling_snapshot, GIVEN_HZ
 import numpy as np
 import pytest
 
@@ -52,6 +53,8 @@ def test_snapshots_of_a_stream_with_gaps_are_judged_as_one_series(index):
     assert said[-1].level == 'fault' and said[-1].result == 'ambiguous'
     assert said[-1].severity.level_over_baseline == pytest.approx(14.0, abs=0.5)
     assert said[-1].window == ('insufficient', 'none')
+    # No rule of a snapshot gave it.
+    assert said[-1].rule == ''
     # 14 dB over the baseline, whatever the place.
     assert said[-1].severity.stage == 4
     # Ten snapshots are a hundred minutes.
@@ -81,6 +84,21 @@ def test_half_a_second_raises_no_level_by_its_zone(seconds, zone):
     said = diagnoser.judge(due.analyse())
     assert said.severity.iso_zone == zone
     assert (said.level == 'fault') == (zone == 'D')
+
+
+def test_held_answer_of_a_series_has_the_rule_of_the_snapshots_that_it_stands_on():
+    settings = DiagnosisSettings(series_cycle=600.0, series_snapshot=2.0)
+    diagnoser = SeriesDiagnoser(find_bearing('6203'), settings)
+    rng, said = np.random.default_rng(9), []
+    for number in range(6):
+        x = coupling_snapshot(rng) if number < 5 else rng.standard_normal(round(2.0 * RATE))
+        (due,) = diagnoser.take(round(600.0 * number * RATE), x, RATE, GIVEN_HZ)
+        said.append(diagnoser.judge(due.analyse()))
+    assert said[4].window is None
+    held = said[5]
+    assert held.window == ('insufficient', 'none')
+    assert (held.result, held.level, held.rule) == ('ambiguous', 'fault', 'whole_turns')
+    assert held.faults == ()
 
 
 def test_series_of_a_continuous_stream_takes_one_snapshot_a_cycle():
