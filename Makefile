@@ -91,7 +91,9 @@ $(VENV)/tools.stamp: requirements.txt requirements-dev.txt constraints.txt
 # An editable install leaves out the data files: launch, config, executables of ros2 run.
 # --no-build-isolation: the generators just installed are those that the messages are built with.
 $(VENV)/messages.stamp: $(VENV)/tools.stamp $(wildcard msg_defs/msg/* msg_defs/srv/* msg_defs/*.*)
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) install --no-build-isolation --no-deps --force-reinstall ./msg_defs
+	rm -rf $(VENV)/wheels
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) wheel --no-build-isolation --no-deps --wheel-dir $(VENV)/wheels ./msg_defs
+	$(PIP) install --no-deps --force-reinstall $(VENV)/wheels/*.whl
 	touch $@
 
 $(VENV)/package.stamp: $(VENV)/messages.stamp setup.py setup.cfg package.xml $(wildcard launch/* config/* recordings/*)
