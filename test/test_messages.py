@@ -44,7 +44,7 @@ def verdict(result, level, *, place='', score=8.0):
         modulation_index={
             name: 1.5 if name == place else 0.1 * k for k, name in enumerate(PLACES)
         },
-        severity=replace(nothing.severity, rms=1.0),
+        severity=replace(nothing.severity, rms=1.0, band_rms=(1.0, 0.0, 0.0)),
     )
 
 
@@ -64,8 +64,8 @@ def test_the_answer_of_a_window_stays_visible_while_another_is_held():
     second = said(trend, verdict('inner', 'fault', place='inner'))
     assert (second.result, second.level) == (Diagnosis.HEALTHY, Diagnosis.LEVEL_OK)
     assert (second.window_result, second.window_level) == (Diagnosis.INNER, Diagnosis.LEVEL_FAULT)
-    # What is held is no fault, so it has no stage.
-    assert (second.rule, second.stage) == ('a_rule_for_inner', 0)
+    # The held answer has its own rule; it is no fault, so it has no stage.
+    assert (second.rule, second.stage) == ('a_rule_for_healthy', 0)
 
 
 def test_before_a_full_window_only_its_own_level_is_known():

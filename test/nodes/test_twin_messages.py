@@ -83,7 +83,7 @@ def test_a_number_that_is_not_in_the_bytes_as_it_should_is_refused():
         cdr = bytes(serialize_message(message))
         return cdr[:4] + np.frombuffer(cdr[4:], np.uint32).byteswap().tobytes()
 
-    with pytest.raises(BearingTwinError, match='stands at 0 places'):
+    with pytest.raises(BearingTwinError, match='occurs 0 times'):
         MessageTemplate(Vibration(), ('sample_rate',), (), swapped)
 
 

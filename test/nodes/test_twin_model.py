@@ -242,7 +242,7 @@ def test_a_file_of_assets_takes_nested_tables(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'said'),
     [
-        ('pump: {}\n  fan: {}\n  pump: {}', 'pump stands 2 times'),
+        ('pump: {}\n  fan: {}\n  pump: {}', 'duplicate key pump'),
         ('pümp: {twin: {}}', 'no ROS namespace'),
         ('pump: {1: 2, twin: {}}', 'may have twin and diagnosis, not 1'),
         ('pump: {}', 'may have twin and diagnosis, not no table'),
