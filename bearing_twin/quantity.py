@@ -5,7 +5,7 @@ Declare a quantity once, beside its field: unit, range, choices and description.
 
 A dataclass declares its fields with :func:`quantity` and checks them with :func:`check_fields`.
 Node parameters, offline runs, fleet files and the tables of the documentation read the same
-declaration.
+declaration. :func:`signed` writes a difference of two values.
 """
 
 from __future__ import annotations
@@ -128,3 +128,15 @@ def check_fields(instance: Any, prefix: str = '') -> None:
     """Refuse an instance of a dataclass if one of its quantities is outside its limits."""
     for name, (_, about) in quantities(cast('Any', type(instance))).items():
         about.check(prefix + name, getattr(instance, name))
+
+
+def signed(difference: float, digits: int = 1) -> str:
+    """
+    Return a difference with its sign and so many digits; what rounds to zero is ``+0``.
+
+    >>> signed(6.04), signed(-0.04), signed(-0.4, 0)
+    ('+6.0', '+0.0', '+0')
+
+    """
+    # Adding zero turns -0.0 into 0.0.
+    return f'{round(difference, digits) + 0.0:+.{digits}f}'

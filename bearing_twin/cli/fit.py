@@ -28,6 +28,7 @@ from bearing_twin.cli.signal_arguments import (
 )
 from bearing_twin.cli.terminal import clear_progress, progress, wrapped
 from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.quantity import signed
 from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
@@ -194,8 +195,7 @@ def _page(source: str, found: Calibration) -> str:
     lines = [
         *wrapped('', f'{shown(source)}: {found.statement}'),
         f'spectrum  log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '
-        # Adding zero turns -0.0 into 0.0.
-        f'level {before}{round(found.level, 1) + 0.0:+.1f} dB',
+        f'level {before}{signed(found.level)} dB',
         f'cost      {found.cost_s:.1f} s of one core',
         '',
         f'{"quantity":<20} {"5 %":>10} {"median":>10} {"95 %":>10}',

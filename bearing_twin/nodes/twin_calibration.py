@@ -9,6 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.calibration.fitted import read_fitted
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import signed
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.topics.qos import RESULT
 from bearing_twin.ros.topics.subscribing import subscribe
@@ -118,7 +119,7 @@ class TwinCalibration:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
         values |= {'distance_db': alike.distance, 'level_over_machine_db': alike.level}
         text = (
-            f'{round(alike.level, 1) + 0.0:+.1f} dB over the machine, log-spectral distance '
+            f'{signed(alike.level)} dB over the machine, log-spectral distance '
             f'{alike.distance:.1f} dB; {fitted.statement}'
         )
         return Status(Level.WARN if alike.far else Level.OK, text, values, kind='compared')

@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
+from bearing_twin.quantity import signed
 from bearing_twin.stamps import stamp_ns, time_unit
 from bearing_twin.view.trends import recorded
 
@@ -142,7 +143,7 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
             (
                 'Found',
                 f'{diagnosis.fault_hz:.2f} Hz, expected {diagnosis.fault_hz_expected:.2f} Hz '
-                f'({round(100.0 * off, 2) + 0.0:+.2f} %)',
+                f'({signed(100.0 * off, 2)} %)',
             )
         )
     rows.append(('Shaft', shaft_speed(diagnosis)))
@@ -157,14 +158,13 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
     if math.isfinite(diagnosis.rms):
         level = number(diagnosis.rms, f'{unit} rms' if diagnosis.unit else f'rms ({unit})')
         if math.isfinite(diagnosis.level_over_baseline):
-            over = round(diagnosis.level_over_baseline, 1) + 0.0
-            level += f', {over:+.1f} dB over its baseline'
+            level += f', {signed(diagnosis.level_over_baseline)} dB over its baseline'
         rows.append(('Level', level))
     if recorded(diagnosis, 'level_correction_sd') > 0.0:
-        taken = round(-recorded(diagnosis, 'level_correction'), 1) + 0.0
+        taken = signed(-recorded(diagnosis, 'level_correction'))
         sure = Z90 * recorded(diagnosis, 'level_correction_sd')
         rows.append(
-            ('Corrected', f'by {taken:+.1f} ± {sure:.1f} dB for temperature and speed: '
+            ('Corrected', f'by {taken} ± {sure:.1f} dB for temperature and speed: '
              f'{_basis(diagnosis)}')
         )  # fmt: skip
     if math.isfinite(diagnosis.velocity_rms):

@@ -25,6 +25,7 @@ from bearing_twin.dynamics.equations.sensor_path import BAND_HZ, band_levels, di
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
+from bearing_twin.quantity import signed
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import off_rate, REFUSED
 from bearing_twin_msgs.msg import Calibration
@@ -200,7 +201,7 @@ class CalibrationCore:
         if not alike.far or math.isnan(level):
             return ''
         return (
-            f'the vibration is {round(level, 1) + 0.0:+.1f} dB over that of the record that was '
+            f'the vibration is {signed(level)} dB over that of the record that was '
             f'fitted, at a log-spectral distance of {alike.distance:.1f} dB'
         )
 

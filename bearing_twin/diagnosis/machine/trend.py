@@ -23,6 +23,7 @@ from bearing_twin.diagnosis.rules.confidence import kind_of
 from bearing_twin.diagnosis.rules.table import NOTHING_SHOWS
 from bearing_twin.diagnosis.signal.severity import band_name, MEASURES, watched
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import signed
 import numpy as np
 
 if TYPE_CHECKING:
@@ -227,7 +228,7 @@ class Trend:
             said.append(f'{over[0]:.1f} dB over the baseline: {FALLEN}')
         elif most:
             band = band_name(most, diagnosis.sample_rate)
-            said.append(f'{band}: {round(over[most], 1) + 0.0:+.1f} dB over the baseline')
+            said.append(f'{band}: {signed(over[most])} dB over the baseline')
         return replace(diagnosis, severity=severity, reasons=tuple(said))
 
     def _leading(self, over: list[float]) -> int:

@@ -38,6 +38,7 @@ from bearing_twin.diagnosis.signal.severity import (
 )
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import restored
+from bearing_twin.quantity import signed
 from bearing_twin.stamps import time_unit
 import numpy as np
 from scipy import fft
@@ -474,8 +475,7 @@ class SeriesMonitor:
             last = self._kept.points[-1]
             if base is not None:
                 band = band_name(MEASURES.index(last.measure), self._kept.source.sample_rate)
-                over = round(last.over_baseline, 1) + 0.0
-                reasons.append(f'{band}: {over:+.1f} dB over the baseline')
+                reasons.append(f'{band}: {signed(last.over_baseline)} dB over the baseline')
                 if (
                     self._kept.held in ('suspect', 'fault')
                     and (usual := self._usual()) is not None
@@ -494,7 +494,7 @@ class SeriesMonitor:
             reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
         if math.isfinite(warmer):
             reasons.append(str(self._laws()[0]))
-            reasons.append(f'{round(warmer) + 0.0:+.0f} K against the baseline')
+            reasons.append(f'{signed(warmer, 0)} K against the baseline')
         if comb is not None:
             reasons.append(str(comb))
         elif not place and self._kept.held in ('suspect', 'fault') and self._bearing is not None:
