@@ -49,85 +49,101 @@ def answer_alone(analysis: Analysis) -> Diagnosis:
 
 
 @dataclass
+class Answer:
+    """What one snapshot says alone, in plain values that can be saved."""
+
+    level: str
+    place: str = ''
+    """Faulty place; '' if none, several, or with a rule below."""
+    rule: str = ''
+    """Rule of an ambiguous answer with places, or of a suspicion with a next step of its own."""
+    open_places: str = ''
+    """Places that the answer leaves open, in words."""
+    reason: str = ''
+    """First reason."""
+
+
+@dataclass
 class Answers:
     """
-    Newest answers of single snapshots. The field holds plain values that can be saved.
+    Newest answers of single snapshots.
 
     Examples
     --------
-    >>> answers = Answers([['fault', 'outer', '']] * 5 + [['none', '', 'too short']] * 4)
+    >>> answers = Answers([Answer('fault', 'outer')] * 5 + [Answer('none')] * 4)
     >>> answers.level, answers.place, str(answers)
     ('fault', 'outer', '5 of the last 9 snapshots alone say outer, fault')
-    >>> doubted = Answers([['fault', 'masked_by_shaft', 'outer']] * 5)
+    >>> doubted = Answers([Answer('fault', rule='masked_by_shaft', open_places='outer')] * 5)
     >>> doubted.place, doubted.doubt, str(doubted).partition('; ')[2][:34]
     ('', 'masked_by_shaft', '5 of them are ambiguous (outer: An')
 
     """
 
-    newest: list[list[str]] = field(default_factory=list)
-    """Level, faulty place ('' if none or several) and first reason of each answer. An ambiguous
-    one has the rule that decided and the places that it leaves open; a suspicion with a next step
-    of its own has its rule instead of a place."""
+    newest: list[Answer] = field(default_factory=list)
 
     def add(self, answer: Diagnosis) -> None:
         """Take an answer."""
-        named: str = answer.result if answer.result in PLACES and answer.level == 'fault' else ''
-        reason = answer.reasons[0] if answer.reasons else ''
-        if answer.rule in _WHY and answer.faults:
-            # It may be about a place and something else.
-            named, reason = answer.rule, ' or '.join(answer.faults)
-        elif answer.rule in _TELLS:
-            named = answer.rule
-        self.newest.append([answer.level, named, reason])
+        # An ambiguous answer may be about a place and something else.
+        unsure = answer.rule in _WHY and bool(answer.faults)
+        rule = answer.rule if unsure or answer.rule in _TELLS else ''
+        named = answer.result in PLACES and answer.level == 'fault' and not rule
+        self.newest.append(
+            Answer(
+                level=answer.level,
+                place=answer.result if named else '',
+                rule=rule,
+                open_places=' or '.join(answer.faults),
+                reason=answer.reasons[0] if answer.reasons else '',
+            )
+        )
         del self.newest[:-NEWEST]
 
     @property
     def level(self) -> str:
         """Level that ``CONFIRMING`` of the newest answers reach; 'none' with fewer answers."""
-        ranks = sorted((LEVELS.index(level) for level, _, _ in self.newest), reverse=True)
+        ranks = sorted((LEVELS.index(each.level) for each in self.newest), reverse=True)
         return LEVELS[ranks[CONFIRMING - 1]] if len(ranks) >= CONFIRMING else 'none'
 
     @property
     def place(self) -> str:
         """Place that ``CONFIRMING`` of the newest answers name as a fault; '' if there is none."""
-        named = Counter(place for _, place, _ in self.newest if place in PLACES).most_common(1)
+        named = Counter(each.place for each in self.newest if each.place).most_common(1)
         return named[0][0] if named and named[0][1] >= CONFIRMING else ''
 
     @property
     def doubt(self) -> str:
         """Rule by which most of the answers that make the level name no place; '' of none."""
-        rules = ['' if named in PLACES else named for said, named, _ in self.newest
-                 if self._agrees(said)]  # fmt: skip
-        rule, count = Counter(rules).most_common(1)[0] if rules else ('', 0)
-        return rule if 2 * count > len(rules) else ''
+        rules = Counter(each.rule for each in self._agreeing())
+        rule, count = rules.most_common(1)[0] if rules else ('', 0)
+        return rule if 2 * count > rules.total() else ''
 
-    def _agrees(self, said: str) -> bool:
-        """Whether the level of an answer is at least that of the series."""
-        return LEVELS.index(said) >= LEVELS.index(self.level)
+    def _agreeing(self) -> list[Answer]:
+        """Return the answers whose level is at least that of the series."""
+        rank = LEVELS.index(self.level)
+        return [each for each in self.newest if LEVELS.index(each.level) >= rank]
 
     def __str__(self) -> str:
         """Return the common answer in words, or why there is none."""
         level, of = self.level, f'of the last {len(self.newest)} snapshots alone'
         if level == 'none':
-            mute = [why for said, _, why in self.newest if said == 'none']
+            mute = [each.reason for each in self.newest if each.level == 'none']
             if len(mute) < CONFIRMING:
                 return ''
             text, why = f'{len(mute)} {of} say nothing', Counter(mute).most_common(1)[0][0]
             return f'{text} ({why})' if why else text
-        place = self.place
-        if place:
-            count = sum(named == place for _, named, _ in self.newest)
+        if place := self.place:
+            count = sum(each.place == place for each in self.newest)
             return f'{count} {of} say {place}, {level}'
-        agree = [answer for answer in self.newest if self._agrees(answer[0])]
-        same = [answer for answer in agree if answer[0] == level]
+        agree = self._agreeing()
+        same = [each for each in agree if each.level == level]
         worse = len(same) < len(agree)
         text = f'{len(agree)} {of} say {level}{" or worse" if worse else ""}'
         if level == 'ok':
             return text
-        unsure = Counter((places, rule) for _, rule, places in agree if rule in _WHY)
+        unsure = Counter((each.open_places, each.rule) for each in agree if each.rule in _WHY)
         if unsure:
             [((places, rule), count)] = unsure.most_common(1)
             are = 'are' if count > 1 else 'is'
             return f'{text}; {count} of them {are} ambiguous ({places}: {_WHY[rule]})'
         last = f'the last {level}' if worse else 'the last'
-        return f'{text}; {last}: {same[-1][2]}' if same[-1][2] else text
+        return f'{text}; {last}: {same[-1].reason}' if same[-1].reason else text

@@ -7,13 +7,14 @@ from dataclasses import replace
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.diagnosis.rules.table import RULES, TELLS
-from bearing_twin.diagnosis.series.alone import Answers
+from bearing_twin.diagnosis.series.alone import Answer, Answers
 import pytest
 
 WHY = {rule.name: rule.why.rstrip('.') for rule in RULES}
-TURNS = ['fault', 'whole_turns', 'outer']
-LINES = ['fault', 'same_lines', 'inner or ball']
-OK, SUSPECT, OUTER = ['ok', '', ''], ['suspect', '', 'a comb'], ['fault', 'outer', 'outer: comb']
+TURNS = Answer('fault', rule='whole_turns', open_places='outer')
+LINES = Answer('fault', rule='same_lines', open_places='inner or ball')
+OK, SUSPECT = Answer('ok'), Answer('suspect', reason='a comb')
+OUTER = Answer('fault', 'outer', reason='outer: comb')
 
 
 @pytest.mark.parametrize(
@@ -35,8 +36,8 @@ OK, SUSPECT, OUTER = ['ok', '', ''], ['suspect', '', 'a comb'], ['fault', 'outer
             '9 of the last 9 snapshots alone say suspect or worse; the last suspect: a comb',
         ),
         ([SUSPECT] * 9, '9 of the last 9 snapshots alone say suspect; the last: a comb'),
-        ([['suspect', '', '']] * 9, '9 of the last 9 snapshots alone say suspect'),
-        ([['none', '', '']] * 9, '9 of the last 9 snapshots alone say nothing'),
+        ([Answer('suspect')] * 9, '9 of the last 9 snapshots alone say suspect'),
+        ([Answer('none')] * 9, '9 of the last 9 snapshots alone say nothing'),
         ([OUTER] * 5 + [TURNS] * 4, '5 of the last 9 snapshots alone say outer, fault'),
     ],
 )
