@@ -183,7 +183,7 @@ class FleetNode(ManagedNode):
         member.twin = TwinTopics(
             self,
             member.channel,
-            turns=StateSchedule(shared['state_rate'], period, self._twins.index(member)),
+            schedule=StateSchedule(shared['state_rate'], period, self._twins.index(member)),
             prefix=f'{member.name}/',
             checkpoints=False,
         )

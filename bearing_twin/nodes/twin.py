@@ -68,7 +68,7 @@ class TwinNode(ManagedNode):
         )
         self._cycle = BlockCycle(self, p, self._publish_block)
         self._topics = TwinTopics(
-            self, self._twin, turns=StateSchedule(p['state_rate'], self._cycle.period)
+            self, self._twin, schedule=StateSchedule(p['state_rate'], self._cycle.period)
         )
         TwinServices(self, p, reset=self._twin.reset, save=self._twin.save, load=self._twin.load)
         self.health = Health(self, p['hardware_id'] or self.get_namespace())

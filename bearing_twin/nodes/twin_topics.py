@@ -51,16 +51,16 @@ class TwinTopics:
         node: ManagedNode,
         twin: TwinChannel,
         *,
-        turns: StateSchedule,
+        schedule: StateSchedule,
         prefix: str = '',
         checkpoints: bool = True,
     ) -> None:
         self._node = node
         self._twin = twin
-        self._turns = turns
+        self._schedule = schedule
         self.bytes = TwinBytes(serialize_message)
         self._condition: Condition | None = None
-        qos = stream(turns.period)
+        qos = stream(schedule.period)
         self.vibration = node.create_lifecycle_publisher(
             Vibration, f'{prefix}vibration', own(qos), qos_overriding_options=OVERRIDES
         )
@@ -100,7 +100,7 @@ class TwinTopics:
         values = self._twin.values
         inputs = made.temperature.used, made.temperature.status, made.shaft_hz
         counters = fields['blocks_late'], fields['blocks_dropped']
-        if self._turns.wants(due, values, *inputs, *counters):
+        if self._schedule.wants(due, values, *inputs, *counters):
             self._condition = made.block.condition
             self._state.publish(self.bytes.state(made, due, values, fields))
 

@@ -146,7 +146,7 @@ def of_defect(
                     max(longest_unresolved_spacing(measured), refusal.longest_spacing)
                     * situation.speed
                 )
-                hidden += _most_taken_off(situation)
+                hidden += _largest_shortfall(situation)
                 high = min(max(high, 1e3 * hidden), next_ball(situation))
                 low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
         quantities[name] = Estimate(
@@ -217,7 +217,7 @@ def spacing_shortfall(situation: Situation, share: float) -> float:
     return 2.0 * math.sqrt(float(np.quantile(sinking, share)) / curvature)
 
 
-def _most_taken_off(situation: Situation) -> float:
+def _largest_shortfall(situation: Situation) -> float:
     """Return by how much the impacts are closer than the slot is wide, m, at most, at any load."""
     prior = unknowns(situation)
     sinking = min(
