@@ -140,7 +140,7 @@ def fit(told: Sequence[RatedAnswer], kinds: Sequence[str] = KINDS) -> dict[str, 
 def fit_rules(
     told: Sequence[RatedAnswer], rules: Sequence[str], weights: dict[str, dict[str, float]]
 ) -> dict[str, dict[str, float]]:
-    """Return weights of which only those of some rules are fitted, and the others are kept."""
+    """Fit the weights of some rules and keep all others."""
     found = {kind: dict(known) for kind, known in weights.items()}
     for kind, known in found.items():
         for rule in rules:

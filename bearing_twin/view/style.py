@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bearing_twin.bearing.vocabulary import RESULTS, TITLES
 
 PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Calibration', 'Nodes')
-"""Pages of a bearing, each of which fits a laptop's screen."""
+"""Pages of a bearing. Each page fits the screen of a laptop."""
 
 APPLICATION = 'bearing_twin'
 """Rerun keeps a blueprint per application."""

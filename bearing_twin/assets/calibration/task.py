@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 SHOWN_S = 2.0
 """Length of the vibration of the fitted twin for display beside the machine, s."""
 PARTS = 16
-"""Parts of a revolution, of which the loudest is searched. Impacts on a race are 3 to 12 parts
-apart, and their ringing lasts about one part."""
+"""Number of parts of a revolution. The shown revolution has its loudest part in the middle.
+Impacts on a race are 3 to 12 parts apart, and their ringing lasts about one part."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -154,7 +154,7 @@ def power_of_lines(x: OverlappingParts, power: NDArray[np.float32], first: int) 
     x
         Up to sixteen columns, shape (N, n).
     power
-        (K, B), of which n columns are written, or as many as are left; row k is line k + 1.
+        (K, B); row k is line k + 1. At most n of its columns are written.
     first
         First of these columns.
 
@@ -228,7 +228,7 @@ def _line_power(
     rows, turns
         Transforms of sixteen squared envelopes, see `_pairs`.
     power
-        (K, B), of which up to sixteen columns are written; row k is line k + 1.
+        (K, B); row k is line k + 1. At most sixteen of its columns are written.
     first
         First of these columns.
     last

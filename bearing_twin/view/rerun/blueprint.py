@@ -172,7 +172,7 @@ def _columns(left: Sequence[View], right: Sequence[View], *, name: str) -> View 
 
 
 def _pages(scene: Scene, timeline: str) -> list[View]:
-    """Return the pages of a bearing, each of which fits a laptop's screen."""
+    """Return the pages of a bearing. Each page fits the screen of a laptop."""
     twin = panel_views(scene, 'twin_state', TWIN_STATE[1:])
     evidence = panel_views(scene, 'diagnosis', DIAGNOSIS)
     verdict = [*card_and_reasons(scene), *bearing_views(scene), *envelope_views(scene)]
