@@ -69,8 +69,6 @@ FIGURES = {
     'live_bearings_per_core_without_dds': Figure('bearings', 'equations of motion alone'),
     'live_ratio': Figure('', 'bearings over DDS to those without', '> 0.5'),
     'live_ratio_with_diagnosis': Figure('', 'bearings with a diagnosis to equations alone'),
-    'live_share_per_bearing': Figure('cores', 'share of a core for each live bearing'),
-    'live_share_of_the_process': Figure('cores', 'share of a core for the process as such'),
     'core_share': Figure('cores', 'twin, diagnosis and recorder together', '< 1'),
     'core_share_twin': Figure('cores', 'share of a core of the twin'),
     'core_share_diagnosis': Figure('cores', 'share of a core of the diagnosis'),

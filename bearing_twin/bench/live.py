@@ -69,9 +69,10 @@ class Search:
     """
     Search with growing fleets, until half of what their cost allows has kept time.
 
-    A fleet that is late runs again, since another process may have had the core for a moment. The
-    cost of a bearing is the slope between the smallest and the largest run that kept time, since
-    16 bearings alone take little. The claim is at most twice the largest number that kept time.
+    A fleet that is late runs again, since another process may have had the core for a moment. What
+    a bearing costs is its part of the largest run that kept time. The share of the process as such
+    is in it, so a small run claims less. The claim is at most twice the largest number that kept
+    time.
     """
 
     def __init__(self) -> None:
@@ -129,22 +130,8 @@ class Search:
         return min((late for late in self._late if late > self.proved), default=0)
 
     @property
-    def per_bearing(self) -> float:
-        """Share of a core per added bearing; of a single run, with the share of the process."""
-        first, last = self._runs[0], self._runs[-1]
-        if first is last:
-            return last.share / last.bearings
-        return (last.share - first.share) / (last.bearings - first.bearings)
-
-    @property
-    def process(self) -> float:
-        """Share of a core that the process takes without bearings."""
-        first = self._runs[0]
-        return first.share - first.bearings * self.per_bearing
-
-    @property
     def _affordable(self) -> float:
-        return (1.0 - self.process) / self.per_bearing
+        return self.proved / self._runs[-1].share
 
 
 def measure(say: Callable[[str], None] = lambda _: None) -> dict[str, float]:
@@ -179,8 +166,6 @@ def measure(say: Callable[[str], None] = lambda _: None) -> dict[str, float]:
         'live_bearings_per_core_without_dds': without,
         'live_ratio': plain.claim / without,
         'live_ratio_with_diagnosis': diagnosed.claim / without,
-        'live_share_per_bearing': plain.per_bearing,
-        'live_share_of_the_process': plain.process,
     }
 
 
