@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 CONFIRMING = 5
 """Number of snapshots whose median is judged: two of five may be disturbed."""
 
-_WHY = {rule.name: rule.why.rstrip('.') for rule in RULES if rule.answer == 'ambiguous'}
+WHY = {rule.name: rule.why.rstrip('.') for rule in RULES}
+"""Reason of each rule."""
+_AMBIGUOUS = frozenset(rule.name for rule in RULES if rule.answer == 'ambiguous')
 _TELLS = frozenset(rule.name for rule in RULES if rule.answer == 'suspect' and rule.tells)
 """Rules of suspicions that have a next step of their own."""
 
@@ -84,7 +86,7 @@ class Answers:
     def add(self, answer: Diagnosis) -> None:
         """Take an answer."""
         # An ambiguous answer may be about a place and something else.
-        unsure = answer.rule in _WHY and bool(answer.faults)
+        unsure = answer.rule in _AMBIGUOUS and bool(answer.faults)
         rule = answer.rule if unsure or answer.rule in _TELLS else ''
         named = answer.result in PLACES and answer.level == 'fault' and not rule
         self.newest.append(
@@ -140,10 +142,12 @@ class Answers:
         text = f'{len(agree)} {of} say {level}{" or worse" if worse else ""}'
         if level == 'ok':
             return text
-        unsure = Counter((each.open_places, each.rule) for each in agree if each.rule in _WHY)
+        unsure = Counter(
+            (each.open_places, each.rule) for each in agree if each.rule in _AMBIGUOUS
+        )
         if unsure:
             [((places, rule), count)] = unsure.most_common(1)
             are = 'are' if count > 1 else 'is'
-            return f'{text}; {count} of them {are} ambiguous ({places}: {_WHY[rule]})'
+            return f'{text}; {count} of them {are} ambiguous ({places}: {WHY[rule]})'
         last = f'the last {level}' if worse else 'the last'
         return f'{text}; {last}: {same[-1].reason}' if same[-1].reason else text

@@ -20,7 +20,7 @@ from bearing_twin.diagnosis.machine.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.machine.trend import Source
-from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING
+from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING, WHY
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
@@ -349,9 +349,14 @@ class SeriesMonitor:
         return self._kept.memory.was_settled_at(recent)
 
     def _hold(self, time: float, wanted: str) -> None:
-        """Update the held level; if an alarm ends, forget its envelopes."""
-        if self._kept.hold(time, wanted, self._settings.series_hold):
+        """Update the held level and its rule; if an alarm ends, forget its envelopes."""
+        kept, before = self._kept, self._kept.held
+        if kept.hold(time, wanted, self._settings.series_hold):
             self._loud.clear()
+        if LEVELS.index(kept.answers.level) >= LEVELS.index(kept.held):
+            kept.doubt = kept.answers.doubt
+        elif kept.held != before:
+            kept.doubt = ''
 
     def report(self) -> SeriesReport:
         """Return the report on all snapshots so far."""
@@ -361,6 +366,7 @@ class SeriesMonitor:
             comb = self._loud.place(self._bearing, self._quiet) or self._kept.strong
             place = self._kept.answers.place or (comb.place if comb else '')
         alone = self._kept.held in ('suspect', 'fault') and math.isnan(self._kept.risen)
+        doubt = self._kept.doubt if alone and not place else ''
         change = self._change(self._kept.risen)
         warmer = math.nan
         if base is not None:
@@ -374,9 +380,8 @@ class SeriesMonitor:
             first_alarm=self._kept.alarms.get('suspect', math.nan),
             first_fault=self._kept.alarms.get('fault', math.nan),
             changes=self._kept.changes, trend=self._trend(), warmer=warmer, place=place,
-            doubt=self._kept.answers.doubt if alone and not place else '',
-            law=self._laws()[0],
-            reasons=self._reasons(change, warmer, comb, place),
+            doubt=doubt, law=self._laws()[0],
+            reasons=self._reasons(change, warmer, comb, place, doubt),
         )  # fmt: skip
 
     @property
@@ -453,9 +458,11 @@ class SeriesMonitor:
         return slope(times[last] / 3600.0, levels[last])
 
     def _reasons(
-        self, change: float, warmer: float, comb: Comb | None, place: str
+        self, change: float, warmer: float, comb: Comb | None, place: str, doubt: str
     ) -> tuple[str, ...]:
         reasons = [text] if (text := str(self._kept.answers)) else []
+        if doubt and doubt != self._kept.answers.doubt:
+            reasons.append(f'{self._kept.held} held: {WHY[doubt]}')
         base = self._kept.memory.base
         if base is None and not self._teaches and math.isnan(self._kept.risen):
             reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')

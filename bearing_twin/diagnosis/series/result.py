@@ -70,7 +70,7 @@ class SeriesReport:
     since the change; '' without a place, and at the level 'ok'."""
     doubt: str
     """Rule of most answers of single snapshots, ambiguous or with a next step of its own, if these
-    answers alone raised the level and name no place; else ''."""
+    answers alone raised the level and name no place, for as long as it is held; else ''."""
     reasons: tuple[str, ...]
 
     @property

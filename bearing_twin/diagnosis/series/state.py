@@ -11,7 +11,7 @@ from bearing_twin.bearing import LEVELS, PLACES
 from bearing_twin.diagnosis.machine.baseline import Memory
 from bearing_twin.diagnosis.machine.onset import Rise
 from bearing_twin.diagnosis.machine.trend import Source
-from bearing_twin.diagnosis.series.alone import Answers, NEWEST
+from bearing_twin.diagnosis.series.alone import Answers, NEWEST, WHY
 from bearing_twin.diagnosis.series.averaging import Comb  # noqa: TC002 - `restored` reads types
 from bearing_twin.diagnosis.series.result import SeriesPoint  # noqa: TC002 - it does
 from bearing_twin.errors import BearingTwinError
@@ -38,6 +38,8 @@ class SeriesMemory:
     """Time at which the held level last rose from 'none' or 'ok', s."""
     risen: float = math.nan
     """First time since then at which the vibration level required an alarm, s; NaN if none."""
+    doubt: str = ''
+    """Rule of most answers of single snapshots that last reached the held level; '' if none."""
     alarms: dict[str, float] = field(default_factory=dict)
     """Time of the first alarm of each level, s."""
     changes: int = 0
@@ -47,10 +49,10 @@ class SeriesMemory:
     """Number of snapshots since the last judged one."""
 
     def __post_init__(self) -> None:
-        """Refuse a saved series with an unknown level or place."""
+        """Refuse a saved series with an unknown level, place or rule."""
         place = self.strong.place if self.strong else PLACES[0]
-        if self.held not in LEVELS or place not in PLACES:
-            said = f'level {self.held!r:.60} or place {place!r:.60}'
+        if self.held not in LEVELS or place not in PLACES or self.doubt not in ('', *WHY):
+            said = f'level {self.held!r:.60}, place {place!r:.60} or rule {self.doubt!r:.60}'
             msg = f'saved {said} is invalid; use what save() returned'
             raise BearingTwinError(msg)
 

@@ -152,6 +152,26 @@ def test_page_of_ambiguous_snapshots_says_what_tells(tmp_path, capsys):
     assert (summary['level'], summary['place'], summary['doubt']) == ('fault', None, 'whole_turns')
 
 
+def test_a_fault_held_from_ambiguous_snapshots_orders_no_bearing(tmp_path, capsys):
+    """Five snapshots of a coupling, then noise; a fault is held until nine answers are lower."""
+    rng = np.random.default_rng(9)
+    tells = TELLS['whole_turns']
+    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6203', '--baseline', '10']
+    pages = {}
+    for number in range(5 + 13):
+        x = coupling_snapshot(rng) if number < 5 else rng.standard_normal(round(2.5 * RATE))
+        said = {'fs': RATE, 'rpm': 60.0 * GIVEN_HZ, 'time_s': 600.0 * number}
+        np.savez(tmp_path / f's{number:02}.npz', x=x, **said)
+        if number in (12, 17):
+            assert main(args) == 0
+            pages[number] = ' '.join(capsys.readouterr().out.split())
+    assert '9 of the last 9 snapshots alone say ok or worse' in pages[12]
+    assert 'level fault' in pages[12]
+    assert 'fault held: What strikes a whole number of times a turn' in pages[12]
+    assert pages[12].endswith(f'next step {tells[0].upper()}{tells[1:]}')
+    assert 'level none' in pages[17] and 'held' not in pages[17]
+
+
 def test_times_in_the_names_of_files(tmp_path):
     days = ['2004.02.28', '2004.02.29', '2004.02.30', '20040301']
     files = [tmp_path / f'{day}.10.32.39.csv' for day in days]

@@ -198,6 +198,7 @@ def test_series_is_saved_and_resumed_to_the_bit():
         ),
         ({'rise': {**kept['rise'], 'total': -1.0}}, arrays['levels']),
         ({'held': 'x'}, arrays['levels']),
+        ({'doubt': 'x'}, arrays['levels']),
         ({'memory': {**kept['memory'], 'windows': {'at ': []}}}, arrays['levels']),
         ({'strong': {'place': 'x', 'order': 3.0, 'z': 6.0, 'snapshots': 20}}, arrays['levels']),
         ({}, arrays['levels'][:, :1]),
