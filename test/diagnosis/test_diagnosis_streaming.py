@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stream: a pure function of what was pushed, with a memory that survives a restart."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 import math
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
-from bearing_twin.diagnosis.machine.trend import Trend
+from bearing_twin.diagnosis.machine.trend import HeldAnswer, Trend
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.signal.demodulation import choose_layout, highest_order
 from bearing_twin.diagnosis.signal.severity import MEASURES
@@ -302,9 +302,10 @@ def test_damaged_states_are_refused_and_leave_the_state_alone():
     [
         {'measure': len(MEASURES)},
         {'measure': -1},
-        {'answer': 'broken'},
+        {'level': 'fault', 'answer': asdict(HeldAnswer('broken'))},
+        {'level': 'fault', 'answer': asdict(HeldAnswer('outer', ['broken']))},
         {'level': 'fault'},
-        {'answer': 'outer'},
+        {'answer': asdict(HeldAnswer('outer', ['outer']))},
     ],
 )
 def test_a_trend_that_holds_what_there_is_not_is_refused(wrong):

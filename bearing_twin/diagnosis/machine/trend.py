@@ -81,6 +81,43 @@ class Source:
         return f'sensor {self.sensor!r}, bearing {self.bearing!r}, {self.unit!r}, {rate}'
 
 
+@dataclass(frozen=True)
+class HeldAnswer:
+    """
+    Answer that is shown while the level is held, in plain values that can be saved.
+
+    >>> print(HeldAnswer('ambiguous', ['ball', 'cage']), HeldAnswer('inner', ['outer', 'inner']))
+    ambiguous ball or cage outer and inner
+
+    """
+
+    result: str = ''
+    """One of ``RESULTS``; empty before the first verdict."""
+    faults: list[str] = field(default_factory=list)
+    rule: str = ''
+    """Rule that decided."""
+    confidence: float = 0.0
+    stage: int = 0
+
+    @classmethod
+    def of(cls, diagnosis: Diagnosis) -> HeldAnswer:
+        """Return the answer of a diagnosis."""
+        return cls(
+            diagnosis.result, list(diagnosis.faults), diagnosis.rule, diagnosis.confidence,
+            diagnosis.severity.stage,
+        )  # fmt: skip
+
+    def same(self, other: HeldAnswer) -> bool:
+        """Return whether both are the same result with the same faults."""
+        return (self.result, self.faults) == (other.result, other.faults)
+
+    def __str__(self) -> str:
+        """Return the answer in words."""
+        if self.result in self.faults:
+            return ' and '.join(self.faults)
+        return f'{self.result} {" or ".join(self.faults)}'.rstrip()
+
+
 @dataclass
 class Trend:
     """Baseline and held answer of one machine. All fields are plain values that can be saved."""
@@ -106,23 +143,17 @@ class Trend:
     """Other level that the last verdicts had."""
     pending_count: int = 0
     """Number of verdicts in a row with that level."""
-    answer: str = ''
-    """Held answer at the held level, with its faults: ``'ambiguous ball cage'``."""
-    rule: str = ''
-    """Rule that decided on the held answer."""
-    confidence: float = 0.0
-    """Confidence of the held answer."""
-    stage: int = 0
-    """Stage of the held answer."""
-    other: str = ''
+    answer: HeldAnswer = field(default_factory=HeldAnswer)
+    """Held answer at the held level."""
+    other: HeldAnswer = field(default_factory=HeldAnswer)
     """Other answer at the held level that the last verdicts had."""
     other_count: int = 0
     """Number of verdicts in a row with that answer."""
 
     def __post_init__(self) -> None:
         """Refuse a saved trend with an unknown measure or answer."""
-        words = self.answer.split()
-        sound = bool(words) == bool(self.level) and all(word in FAULT_CODES for word in words)
+        words = {self.answer.result, *self.answer.faults} - {''}
+        sound = bool(self.answer.result) == bool(self.level) and words <= FAULT_CODES.keys()
         if not (sound and 0 <= self.measure < len(MEASURES)):
             msg = 'saved trend holds an answer or a measure that there is not; start without it'
             raise BearingTwinError(msg)
@@ -253,10 +284,10 @@ class Trend:
         shown = with_fault_stage(self._held(own, hold, full) if held else own)
         stage = shown.severity.stage
         if own.level == shown.level:
-            self.stage = stage
-        elif shown.level == 'fault' and stage < self.stage:
+            self.answer = replace(self.answer, stage=stage)
+        elif shown.level == 'fault' and stage < self.answer.stage:
             # A window without the fault does not tell its stage.
-            return replace(shown, severity=replace(shown.severity, stage=self.stage))
+            return replace(shown, severity=replace(shown.severity, stage=self.answer.stage))
         return shown
 
     def _take_minute(self, *, healthy: bool) -> None:
@@ -282,50 +313,50 @@ class Trend:
         if not self.level and not full:
             # The first full window sets the level; before it the level is unknown.
             return replace(own, level='none', window=(own.result, own.level))
-        said = ' '.join((own.result, *own.faults))
+        newest = HeldAnswer.of(own)
         # Without information a fault is held for as long as that lasts, any other answer for a
         # while.
         known = own.level != 'none' or self.level == 'suspect'
         before, level = self.level, self._hold(own.level, hold) if known else self.level
         if level == 'none':
-            self.level = self.answer = self.rule = ''
+            self.level, self.answer = '', HeldAnswer()
             return own
         if not known and level == 'ok':
-            if self._another(said, hold):
+            if self._another(newest, hold):
                 return own
         elif own.level != level:
-            self.other, self.other_count = '', 0
-        elif level != before or said == self.answer or self._another(said, hold):
-            self.answer, self.rule, self.confidence = said, own.rule, own.confidence
-            self.other, self.other_count = '', 0
-        if (own.level, said) == (level, self.answer):
+            self.other, self.other_count = HeldAnswer(), 0
+        elif level != before or newest.same(self.answer) or self._another(newest, hold):
+            self.answer = newest
+            self.other, self.other_count = HeldAnswer(), 0
+        answer = self.answer
+        if own.level == level and newest.same(answer):
             return own
-        result, *faults = self.answer.split()
-        count, words = self.other_count, _spoken(said)
+        count, words = self.other_count, str(newest)
         if own.level != level:
             count = self.pending_count if known else self.other_count
-            words = f'{_spoken(said)}, {own.level}'
-        text = f'{_spoken(self.answer)}, {level} held: '
+            words = f'{newest}, {own.level}'
+        text = f'{answer}, {level} held: '
         nothing = 'this window tells nothing; after a repair reset the diagnosis'
         lasts = not known and level == 'fault'
         text += nothing if lasts else f'{count} of {hold} verdicts say {words}'
         return replace(
             own,
-            result=result,
+            result=answer.result,
             level=level,
-            rule=self.rule,
-            faults=tuple(faults),
-            fault_code=FAULT_CODES[result],
-            confidence=self.confidence,
-            kind=kind_of(result, level, faults, self.rule),
+            rule=answer.rule,
+            faults=tuple(answer.faults),
+            fault_code=FAULT_CODES[answer.result],
+            confidence=answer.confidence,
+            kind=kind_of(answer.result, level, answer.faults, answer.rule),
             reasons=(*own.reasons, text),
             window=(own.result, own.level),
         )
 
-    def _another(self, said: str, hold: int) -> bool:
+    def _another(self, answer: HeldAnswer, hold: int) -> bool:
         """Count another answer at the held level; return whether it becomes the held one."""
-        self.other_count = self.other_count + 1 if said == self.other else 1
-        self.other = said
+        self.other_count = self.other_count + 1 if answer.same(self.other) else 1
+        self.other = answer
         return self.other_count >= hold
 
     def _hold(self, level: str, hold: int) -> str:
@@ -343,11 +374,3 @@ class Trend:
     def values(self) -> dict[str, Any]:
         """Return the fields as plain values for saving."""
         return asdict(self)
-
-
-def _spoken(answer: str) -> str:
-    """Return an answer with its faults in words: 'outer and inner', 'ambiguous ball or cage'."""
-    result, *faults = answer.split()
-    if result in faults:
-        return ' and '.join(faults)
-    return f'{result} {" or ".join(faults)}'.rstrip()
