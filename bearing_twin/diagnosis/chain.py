@@ -19,7 +19,7 @@ from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.combs.sidebands import sideband_ratio
 from bearing_twin.diagnosis.report import insufficient, report, undetected_reasons
 from bearing_twin.diagnosis.rules.evidence import Evidence
-from bearing_twin.diagnosis.rules.table import answer, trusted
+from bearing_twin.diagnosis.rules.table import answer, with_confidence_basis
 from bearing_twin.diagnosis.signal.demodulation import (
     choose_layout,
     demodulate,
@@ -34,7 +34,7 @@ from bearing_twin.diagnosis.signal.severity import (
     SLOW_HZ,
     valid_for_length,
 )
-from bearing_twin.diagnosis.signal.shaft import ShaftSpeed, Turning
+from bearing_twin.diagnosis.signal.shaft import ShaftSpeed, SpeedProfile
 from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
@@ -78,12 +78,12 @@ class Stretch:
     """
     Consecutive samples, the step by which windows move on, with their computed segments.
 
-    The samples have the shape (n,); ``turning`` is the shaft speed during each part of them.
+    The samples have the shape (n,); ``speed_profile`` is the shaft speed during each part of them.
     """
 
-    def __init__(self, samples: NDArray[np.float64], turning: Turning) -> None:
+    def __init__(self, samples: NDArray[np.float64], speed_profile: SpeedProfile) -> None:
         self.samples = samples
-        self.turning = turning
+        self.speed_profile = speed_profile
         self._segments: dict[Layout, Segment] = {}
         self._lock = threading.Lock()
 
@@ -133,7 +133,7 @@ class Excerpt:
     def of(
         cls,
         samples: NDArray[np.float64],
-        turning: Turning | float,
+        speed_profile: SpeedProfile | float,
         sample_rate: float,
         bearing: Bearing,
         settings: DiagnosisSettings,
@@ -149,7 +149,7 @@ class Excerpt:
         ----------
         samples
             Shape (n,).
-        turning
+        speed_profile
             Shaft speed during each part of the samples, or one steady speed, Hz.
         sample_rate, bearing, settings
             See the fields.
@@ -170,10 +170,10 @@ class Excerpt:
 
         """
         count, pieces, stretches = len(samples), 1, 1
-        if not isinstance(turning, Turning):
-            turning = Turning(np.array([turning]), np.array([count]))
+        if not isinstance(speed_profile, SpeedProfile):
+            speed_profile = SpeedProfile(np.array([speed_profile]), np.array([count]))
         if count and math.isfinite(sample_rate) and sample_rate > 0.0:
-            turns = count / sample_rate * turning.mean_hz
+            turns = count / sample_rate * speed_profile.mean_hz
             # A shaft that stands still, or turns once in less than two samples, has no turns to
             # count.
             pieces = max(1, round(turns / longest)) if 0.0 < turns < count / 2 else 1
@@ -184,7 +184,7 @@ class Excerpt:
         edges = np.arange(pieces * stretches + 1) * min(length, count)
         return cls(
             stretches=tuple(
-                Stretch(samples[begin:end], turning.part(begin, end))
+                Stretch(samples[begin:end], speed_profile.part(begin, end))
                 for begin, end in itertools.pairwise(edges)
             ),
             left_over=count - int(edges[-1]),
@@ -201,7 +201,7 @@ class Excerpt:
         return np.concatenate([stretch.samples for stretch in self.stretches])
 
     @cached_property
-    def turning(self) -> Turning:
+    def speed_profile(self) -> SpeedProfile:
         """Speed of the shaft."""
         return _together(self.stretches)
 
@@ -224,8 +224,8 @@ class Excerpt:
         """Return the analysis of these samples alone, which is most of the work of a verdict."""
         _keep_memory()
         rate, bearing = self.sample_rate, self.bearing
-        turning = self.turning
-        mean_hz = turning.mean_hz
+        profile = self.speed_profile
+        mean_hz = profile.mean_hz
         extents = [stretch.extent for stretch in self.stretches]
         reasons = check_extents(extents, rate, mean_hz, highest_fault_order(bearing))
         if reasons and self.simulated:
@@ -233,7 +233,7 @@ class Excerpt:
                 self.samples, rate, mean_hz, temperature=self.temperature, unit=self.unit,
                 bearing=bearing,
             )  # fmt: skip
-        if not reasons and not ((turning.shaft_hz > 0.0) & np.isfinite(turning.shaft_hz)).all():
+        if not reasons and not ((profile.shaft_hz > 0.0) & np.isfinite(profile.shaft_hz)).all():
             reasons = ['the shaft stood still or turned backwards within the window']
         if reasons:
             return Analysis(self, mean_hz, refused=tuple(reasons))
@@ -244,7 +244,7 @@ class Excerpt:
             count,
             bearing,
             mean_hz,
-            float(turning.shaft_hz.max()) if turning.varies else 0.0,
+            float(profile.shaft_hz.max()) if profile.varies else 0.0,
         )
         windows = [self._window(piece * count, count, layout) for piece in range(self.pieces)]
         analysis = Analysis(self, mean_hz, windows[-1], tuple(w.orders for w in windows[:-1]))
@@ -285,16 +285,17 @@ class Excerpt:
             known[end - 1].segment(layout, known[max(end - each - 1, 0) : end - 1])
             for end in range(offset + each, offset + count + 1, each)
         ]
-        turning = self.turning if self.pieces == 1 else _together(self.stretches[first:][:count])
+        whole = self.pieces == 1
+        profile = self.speed_profile if whole else _together(self.stretches[first:][:count])
         return analyse_window(
-            segments, layout, self.bearing, turning, self.settings, unit=self.unit
+            segments, layout, self.bearing, profile, self.settings, unit=self.unit
         )
 
 
-def _together(stretches: Sequence[Stretch]) -> Turning:
+def _together(stretches: Sequence[Stretch]) -> SpeedProfile:
     """Return the speed during several stretches."""
-    parts = [stretch.turning for stretch in stretches]
-    return Turning(
+    parts = [stretch.speed_profile for stretch in stretches]
+    return SpeedProfile(
         np.concatenate([part.shaft_hz for part in parts]),
         np.concatenate([part.lengths for part in parts]),
     )
@@ -391,7 +392,7 @@ class Analysis:
         refined = evidence(accumulate(windows), speed)
         verdict = answer(refined)
         if speed.shaft_hz == given_hz:
-            return trusted(refined, verdict), speed
+            return with_confidence_basis(refined, verdict), speed
         # The lines of a fault beside an integer order can be mistaken for those of a shaft at a
         # slightly different speed. The speed at which the fault shows more clearly is then the
         # right one, unless two places cannot be told apart at the given speed: the lines of a
@@ -404,13 +405,13 @@ class Analysis:
         least = _CLEARER * verdict.weight
         clear = (comb for comb in at_this.candidates.values() if comb.weight > least)
         if not any(map(mistaken, clear)):
-            return trusted(refined, verdict), speed
+            return with_confidence_basis(refined, verdict), speed
         other = answer(at_this)
         sure = other.level == 'fault' and other.result in PLACES
         clearer = sure and other.weight > least
         if clearer and other.strongest and mistaken(other.strongest):
-            return trusted(at_this, other), given
-        return trusted(refined, verdict), speed
+            return with_confidence_basis(at_this, other), given
+        return with_confidence_basis(refined, verdict), speed
 
 
 def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float, tolerance: float) -> bool:

@@ -16,7 +16,7 @@ from bearing_twin.diagnosis.machine.level import UNKNOWN, with_fault_stage, with
 from bearing_twin.diagnosis.rules.table import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import SHAFT_TURNS
-from bearing_twin.diagnosis.signal.shaft import other_shafts_hz, Turning
+from bearing_twin.diagnosis.signal.shaft import other_shafts_hz, SpeedProfile
 from bearing_twin.diagnosis.signal.spectra import floor_levels
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
@@ -132,8 +132,8 @@ def diagnose_record(
     lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))
     known: dict[str, Any] = {'longest': _WINDOW_TURNS, 'temperature': temperature, 'unit': unit}
     fixed = sample_rate, bearing, settings
-    turning = Turning(np.atleast_1d(speeds), lengths)
-    cut = functools.partial(Excerpt.of, signal, turning, *fixed, **known)
+    profile = SpeedProfile(np.atleast_1d(speeds), lengths)
+    cut = functools.partial(Excerpt.of, signal, profile, *fixed, **known)
     excerpt = cut()
     analysis = excerpt.analyse()
     found = analysis.alone
@@ -154,10 +154,10 @@ def diagnose_record(
                 edges = [round(many * number / count) for number in range(count + 1)]
                 return [_part(excerpt, *ends) for ends in itertools.pairwise(edges)]
             samples = np.array_split(signal, count)
-            turnings = [turning._replace(lengths=np.array([len(part)])) for part in samples]
+            profiles = [profile._replace(lengths=np.array([len(part)])) for part in samples]
             return [
                 Excerpt.of(part, its, *fixed, **known)
-                for part, its in zip(samples, turnings, strict=True)
+                for part, its in zip(samples, profiles, strict=True)
             ]
 
         found = _moving(found, turns, parts) or found
@@ -168,8 +168,8 @@ def diagnose_record(
             own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
             if own or not analysis.may_show(hertz, _clearest(found)):
                 continue
-            turns_so = turning._replace(shaft_hz=np.array([hertz]))
-            said = Excerpt.of(signal, turns_so, *fixed, **known).analyse().alone
+            other_profile = profile._replace(shaft_hz=np.array([hertz]))
+            said = Excerpt.of(signal, other_profile, *fixed, **known).analyse().alone
             found = _at_another_speed(found, said, hertz) or found
     return with_fault_stage(with_required_level(found))
 
@@ -235,9 +235,8 @@ def _smeared(analysis: Analysis) -> bool:
 def _part(excerpt: Excerpt, first: int, end: int) -> Excerpt:
     """Return some stretches of an excerpt as an excerpt; their transforms are kept."""
     many = end - first
-    turns = (
-        many * len(excerpt.stretches[0].samples) / excerpt.sample_rate * excerpt.turning.mean_hz
-    )
+    mean_hz = excerpt.speed_profile.mean_hz
+    turns = many * len(excerpt.stretches[0].samples) / excerpt.sample_rate * mean_hz
     least = max(1, round(turns / _WINDOW_TURNS))
     return replace(
         excerpt,

@@ -15,7 +15,7 @@ from bearing_twin.diagnosis.chain import Excerpt, Stretch
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.diagnosis.signal.shaft import Turning
+from bearing_twin.diagnosis.signal.shaft import SpeedProfile
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, restored, unpack
 import numpy as np
@@ -449,7 +449,7 @@ class StreamingDiagnoser:
         ]
         hertz, lengths = zip(*speeds, strict=True)
         samples = np.concatenate([x for x, _ in self._parts])
-        self._stretches.append(Stretch(samples, Turning(np.array(hertz), np.array(lengths))))
+        self._stretches.append(Stretch(samples, SpeedProfile(np.array(hertz), np.array(lengths))))
         self._parts, self._filled = [], 0
         # Two more than a window: the stretch before it, and one for another start in _cut_again.
         while len(self._stretches) > cut.window + 2:
@@ -461,8 +461,8 @@ class StreamingDiagnoser:
             (part, float(hz))
             for stretch in self._stretches
             for part, hz in zip(
-                np.split(stretch.samples, np.cumsum(stretch.turning.lengths)[:-1]),
-                stretch.turning.shaft_hz,
+                np.split(stretch.samples, np.cumsum(stretch.speed_profile.lengths)[:-1]),
+                stretch.speed_profile.shaft_hz,
                 strict=True,
             )
         ] + self._parts

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
     from bearing_twin.diagnosis.signal.severity import Severity
-    from bearing_twin.diagnosis.signal.shaft import Turning
+    from bearing_twin.diagnosis.signal.shaft import SpeedProfile
     from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
@@ -99,7 +99,7 @@ def analyse_window(
     segments: Sequence[Segment],
     layout: Layout,
     bearing: Bearing,
-    turning: Turning,
+    speed_profile: SpeedProfile,
     settings: DiagnosisSettings,
     *,
     unit: str = '',
@@ -107,17 +107,17 @@ def analyse_window(
     """
     Return the analysis of one window, before windows are averaged and judged.
 
-    The segments are in order of time, oldest first. ``turning`` is the shaft speed during them.
+    The segments are in order of time, oldest first; ``speed_profile`` is the shaft's speed.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.signal.demodulation import choose_layout, demodulate
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
-    >>> from bearing_twin.diagnosis.signal.shaft import Turning
+    >>> from bearing_twin.diagnosis.signal.shaft import SpeedProfile
     >>> noise, bearing = np.random.default_rng(0).standard_normal(51200), find_bearing('6307')
     >>> layout = choose_layout(25600.0, 51200, 1, bearing, 25.0)
-    >>> turning = Turning(np.array([25.0]), np.array([51200]))
+    >>> profile = SpeedProfile(np.array([25.0]), np.array([51200]))
     >>> segments = [demodulate(noise, layout)]
-    >>> window = analyse_window(segments, layout, bearing, turning, DiagnosisSettings())
+    >>> window = analyse_window(segments, layout, bearing, profile, DiagnosisSettings())
     >>> window.revolutions, round(window.severity.rms, 1)
     (50.0, 1.0)
     """
@@ -125,9 +125,9 @@ def analyse_window(
     slow = OverlappingParts([segment.slow for segment in segments], lap).joined()
     parts = zip(*(segment.envelopes for segment in segments), strict=True)
     envelopes = (OverlappingParts(part, lap) for part in parts)
-    shaft_hz, at = turning.mean_hz, None
-    if turning.varies:
-        at = turning.equal_angles(len(slow)) / layout.step
+    shaft_hz, at = speed_profile.mean_hz, None
+    if speed_profile.varies:
+        at = speed_profile.equal_angles(len(slow)) / layout.step
         slow = resample(slow, at)
         envelopes = (OverlappingParts([resample(part.joined(), at)]) for part in envelopes)
     rate = layout.sample_rate / layout.step

@@ -17,7 +17,7 @@ from bearing_twin.diagnosis.signal.lines import NEUTRAL
 from bearing_twin.diagnosis.signal.periodogram import OverlappingParts
 from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.diagnosis.signal.severity import iso_zone, Levels, measure_severity
-from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, Turning
+from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, SpeedProfile
 from bearing_twin.diagnosis.signal.spectra import envelope_spectra, local_floor, whiten
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -279,10 +279,10 @@ def test_angular_resampling_turns_a_sweep_into_a_line():
     n = int(4 * RATE)
     shaft = np.linspace(20.0, 30.0, n)
     phase = 2 * np.pi * np.cumsum(shaft) / RATE
-    turning = Turning(shaft, np.ones(n, np.intp))
-    even, mean_hz = resample(np.cos(7.3 * phase), turning.equal_angles(n)), turning.mean_hz
+    profile = SpeedProfile(shaft, np.ones(n, np.intp))
+    even, mean_hz = resample(np.cos(7.3 * phase), profile.equal_angles(n)), profile.mean_hz
     assert mean_hz == pytest.approx(25.0, rel=1e-3)
-    assert turning.varies
+    assert profile.varies
     spectrum = np.abs(np.fft.rfft(even * np.hanning(n)))
     peak = np.argmax(spectrum) * RATE / n
     assert peak == pytest.approx(7.3 * mean_hz, abs=0.3)

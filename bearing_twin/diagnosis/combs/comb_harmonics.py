@@ -128,7 +128,7 @@ class CombHarmonics:
         others = [height for height, known in zip(others, shown[1:], strict=True) if known]
         return bool(shown[0] and others) and float(np.mean(others)) < MISSING * float(first)
 
-    def sound(self, candidate: Candidate, most: float) -> bool:
+    def is_healthy_modulation(self, candidate: Candidate, most: float) -> bool:
         """
         Return whether a comb is a smooth modulation by healthy parts, of an index up to ``most``.
 
@@ -165,15 +165,16 @@ class CombHarmonics:
         are as high as its harmonics and fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
-        inner, alike = candidate.place == 'inner', self._sidebands.alike(candidate)
+        inner = candidate.place == 'inner'
+        high_sidebands = self._sidebands.has_high_shaft_sidebands(candidate)
         if inner and self._sidebands.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE:
-            if not self._spread or not alike:
+            if not self._spread or not high_sidebands:
                 return 0
             columns = np.array([candidate.band])
             return turns if spaced_by_shaft(self._whole, order, columns, self._tolerance) else 0
         # Strikes once a turn have equally high lines, which look sharp if the speed moves a
         # little.
-        strikes = alike and not inner
+        strikes = high_sidebands and not inner
         if not turns or self._spread <= (0.0 if strikes else _SHARP * self._whole.step):
             return 0
         spread = self._spread if math.isfinite(self._spread) else 0.0

@@ -71,7 +71,7 @@ class CombSidebands:
             self._found[key] = float(gaps[best]), float(ratios[best])
         return self._found[key]
 
-    def alike(self, candidate: Candidate) -> bool:
+    def has_high_shaft_sidebands(self, candidate: Candidate) -> bool:
         """Return whether shaft sidebands are as high as the harmonics, as with a loose shaft."""
         return self.turning_sideband(candidate)[1] * RIVAL >= 1.0
 

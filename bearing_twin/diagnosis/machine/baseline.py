@@ -62,7 +62,7 @@ class Baseline:
     """Time of the first and the last level, s."""
 
 
-def settled(window: Sequence[Sequence[float]]) -> Baseline | None:
+def settled_baseline(window: Sequence[Sequence[float]]) -> Baseline | None:
     """
     Return the baseline of a window; None if level or temperature have not settled.
 
@@ -70,10 +70,10 @@ def settled(window: Sequence[Sequence[float]]) -> Baseline | None:
 
     Examples
     --------
-    >>> base = settled([[t, 60.0, 4.6, 3.0] for t in range(20)])
+    >>> base = settled_baseline([[t, 60.0, 4.6, 3.0] for t in range(20)])
     >>> base.times, base.levels
     ([0.0, 19.0], [3.0])
-    >>> settled([[t, 40.0 + t, 4.6, 3.0] for t in range(20)]) is None
+    >>> settled_baseline([[t, 40.0 + t, 4.6, 3.0] for t in range(20)]) is None
     True
 
     """
@@ -176,7 +176,7 @@ class Memory:
             self.medians[speed] = [min(self.medians.get(speed, [last])[0], last), last]
         if len(window) < wanted:
             return False
-        new, base = settled(window), self.base
+        new, base = settled_baseline(window), self.base
         if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= most:
             return False
         if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):
@@ -194,7 +194,7 @@ class Memory:
                 return base
         return None
 
-    def fallen(self, level: float, now: Condition, by: float) -> bool:
+    def has_fallen(self, level: float, now: Condition, by: float) -> bool:
         """Return whether a level of the whole signal, dB, is ``by`` dB below those so far."""
         if self.base:
             return level <= self.base.levels[0] - by
@@ -207,7 +207,7 @@ class Memory:
         for window in self.windows.values():
             window[:] = [row for row in window if row[0] >= time]
 
-    def most(self) -> tuple[int, float]:
+    def most_at_one_speed(self) -> tuple[int, float]:
         """Return the largest number of levels kept at one speed, and that speed, Hz."""
         window = max(self.windows.values(), key=len, default=[])
         return len(window), 2.0 ** window[-1][2] if window else math.nan

@@ -21,7 +21,7 @@ from bearing_twin.diagnosis.machine.level import (
 from bearing_twin.diagnosis.machine.onset import Rise
 from bearing_twin.diagnosis.rules.confidence import kind_of
 from bearing_twin.diagnosis.rules.table import NOTHING_SHOWS
-from bearing_twin.diagnosis.signal.severity import band_name, MEASURES, watched
+from bearing_twin.diagnosis.signal.severity import band_name, MEASURES, monitored_levels
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import signed
 import numpy as np
@@ -194,7 +194,7 @@ class Trend:
         severity = diagnosis.severity
         if not severity.rms > 0.0:
             return self._shown(diagnosis, hold, full)
-        levels, memory = watched(severity), self.memory
+        levels, memory = monitored_levels(severity), self.memory
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.source.sample_rate:
             self.source = source

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 def ball_ripple(e: Evidence) -> Verdict | None:
     ball = e.candidates['ball']
     smooth = e.cage_leads and e.cage_high_harmonics * RIVAL * RIVAL < RIPPLE
-    if not (smooth and ball in e.own and ball.index >= INDEX_FAULT):
+    if not (smooth and ball in e.unexplained and ball.index >= INDEX_FAULT):
         return None
     text = (
         'the envelope ripples with the cage, without the higher harmonics of a cage that strikes: '
@@ -97,7 +97,7 @@ def cage_impacts(e: Evidence) -> Verdict | None:
 @rule('suspect', 'Impacts once a cage turn that modulate the envelope little are no alarm.')
 def weak_cage(e: Evidence) -> Verdict | None:
     cage = e.candidates['cage']
-    if e.remaining or cage not in e.own or e.impacts.get('cage', 0.0) < IMPACTS:
+    if e.remaining or cage not in e.unexplained or e.impacts.get('cage', 0.0) < IMPACTS:
         return None
     return say(e, NO_ALARM, about=cage)
 

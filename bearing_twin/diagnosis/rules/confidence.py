@@ -106,7 +106,7 @@ class Trust:
         )  # fmt: skip
 
     @property
-    def sound(self) -> float:
+    def healthy_log_odds(self) -> float:
         """Log odds that a bearing without a statement is healthy; rules use them."""
         return self.terms()['sound']
 

@@ -75,10 +75,11 @@ def impacts_elsewhere(e: Evidence) -> Verdict | None:
     tells='look at coupling, key, gear, looseness and rubs, and record again',
 )
 def strikes_each_turn(e: Evidence) -> Verdict | None:
-    if e.each_turn is None:
+    comb = e.impacts_each_turn
+    if comb is None:
         return None
     text = (
-        f'{e.each_turn}: {round(e.each_turn.order)} a turn of the shaft, deeper than any load '
+        f'{comb}: {round(comb.order)} a turn of the shaft, deeper than any load '
         'modulates; a coupling, looseness, a rub, a key or a tooth of a gear? No part of the '
         'bearing strikes in time with the shaft, but this may hide one that does not'
     )
@@ -192,7 +193,9 @@ def _elsewhere(e: Evidence, what: str) -> Verdict:
     else:
         text = f'periodic impacts at {comb.order:.3f} orders {what} a {e.bearing.name}: check '
         text += 'bearing and speed'
-        text += what_fits(comb.order, 2.0 * e.step, e.shaft_hz, e.bearing, e.elsewhere_sways)
+        text += what_fits(
+            comb.order, 2.0 * e.step, e.shaft_hz, e.bearing, e.elsewhere_has_shaft_sidebands
+        )
     return say(e, str(comb), text)
 
 

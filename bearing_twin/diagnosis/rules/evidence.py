@@ -4,16 +4,16 @@
 Evidence: the named quantities that the rules of the diagnosis use.
 
 Lists of combs, each from the previous one. A rule about the leading comb uses `leading` and the
-combs beside it. A rule about weak combs uses `heard` or `faint`.
+combs beside it. A rule about weak combs uses `all_combs` or `faint`.
 
 ==================  ==============================================================================
 `candidates`        best comb of each place, however weak
 `significant`       combs that are not chance, not too weak to report, and not of healthy parts
-`own`               those of `significant` that neither shaft nor extraneous series explain
+`unexplained`       those of `significant` that neither shaft nor extraneous series explain
 `claims.kept`       those of `significant`, with one comb for orders that two places share
 `load_zone.kept`    races and balls of these that are no shaft sidebands of the inner race
-`remaining`         the same; `significant` if `own` is empty
-`nameable`          those of `remaining` that are in `own`
+`remaining`         the same; `significant` if `unexplained` is empty
+`nameable`          those of `remaining` that are in `unexplained`
 `leading`           the comb that explains most; `same_lines` explain as much
 `others`            those of `nameable` that remain combs without the lines of `leading`
 ==================  ==============================================================================
@@ -200,14 +200,15 @@ class Evidence:
     def significant(self) -> tuple[Candidate, ...]:
         """Combs that are neither chance, nor too weak to report, nor of healthy parts."""
         found = (c for c in self.candidates.values() if c.significant)
-        return tuple(c for c in found if c.place not in self.sound) or self.on_second_look
+        combs = tuple(c for c in found if c.place not in self.healthy_modulations)
+        return combs or self.on_second_look
 
     @_measured(undisturbed=frozenset())
-    def sound(self) -> frozenset[str]:
+    def healthy_modulations(self) -> frozenset[str]:
         """Places whose comb is a smooth modulation by healthy parts and noise."""
         most = math.hypot(INDEX_SOUND, INDEX_NOISE * math.sqrt(INDEX_NOISE_TURNS / self.turns))
         shown = (c for c in self.candidates.values() if c.significant)
-        return frozenset(c.place for c in shown if self._harmonics.sound(c, most))
+        return frozenset(c.place for c in shown if self._harmonics.is_healthy_modulation(c, most))
 
     @_measured(undisturbed=())
     def on_second_look(self) -> tuple[Candidate, ...]:
@@ -229,7 +230,7 @@ class Evidence:
         return self._combs.index_in_all_bands(self.candidates['outer'])
 
     @cached_property
-    def heard(self) -> tuple[Candidate, ...]:
+    def all_combs(self) -> tuple[Candidate, ...]:
         """
         Combs of all places, each with its highest index over all bands.
 
@@ -251,7 +252,7 @@ class Evidence:
         """
         noise = INDEX_NOISE * math.sqrt(min(INDEX_NOISE_TURNS / self.turns, 1.0))
         return tuple(
-            c for c in self.heard if c.place != 'cage' and c.z >= Z_FAULT and c.index >= noise
+            c for c in self.all_combs if c.place != 'cage' and c.z >= Z_FAULT and c.index >= noise
         )
 
     @_measured(undisturbed={})
@@ -266,7 +267,7 @@ class Evidence:
         return frozenset(c.place for c in self.significant if self._harmonics.masked_by_shaft(c))
 
     @cached_property
-    def own(self) -> tuple[Candidate, ...]:
+    def unexplained(self) -> tuple[Candidate, ...]:
         """Significant combs that nothing else of the machine explains."""
         return tuple(
             c
@@ -312,7 +313,7 @@ class Evidence:
         """
         cage = self.candidates['cage']
         return (
-            cage in self.own
+            cage in self.unexplained
             and cage.index >= INDEX_FAULT
             and all(
                 other.index < INDEX_FAULT
@@ -372,13 +373,13 @@ class Evidence:
 
     @cached_property
     def remaining(self) -> tuple[Candidate, ...]:
-        """Combs of races and balls that are left; all significant ones if `own` is empty."""
-        return self.load_zone.kept if self.own else self.significant
+        """Combs of races and balls that are left; `significant` if `unexplained` is empty."""
+        return self.load_zone.kept if self.unexplained else self.significant
 
     @cached_property
     def nameable(self) -> tuple[Candidate, ...]:
         """Remaining combs that nothing else of the machine explains."""
-        return tuple(c for c in self.remaining if c in self.own)
+        return tuple(c for c in self.remaining if c in self.unexplained)
 
     @_measured(undisturbed=())
     def masked_candidates(self) -> tuple[Candidate, ...]:
@@ -484,7 +485,7 @@ class Evidence:
         return self._combs.strongest_anywhere(beyond=not self.remaining)
 
     @_measured(undisturbed=None)
-    def each_turn(self) -> Candidate | None:
+    def impacts_each_turn(self) -> Candidate | None:
         """Comb of impacts in time with the shaft, with an index above any load's, or None."""
         comb = self._combs.deepest_whole()
         if comb is None or comb.index <= INDEX_SMOOTH:
@@ -492,7 +493,7 @@ class Evidence:
         return None if self._harmonics.smooth(comb, masked=True) else comb
 
     @_measured(undisturbed=False)
-    def elsewhere_sways(self) -> bool:
+    def elsewhere_has_shaft_sidebands(self) -> bool:
         """Whether the comb `elsewhere` has shaft sidebands, as a rotating part has."""
         return self._sidebands.shaft_sideband_ratio(self.elsewhere) >= SWAY
 
@@ -530,9 +531,9 @@ class Evidence:
         return self._low_lines()
 
     @_measured(undisturbed=frozenset())
-    def loose(self) -> frozenset[str]:
+    def loose_shaft(self) -> frozenset[str]:
         """Places whose comb may be of strikes once a turn: its shaft sidebands are as high."""
-        found = (c for c in self._races_and_balls if self._sidebands.alike(c))
+        found = (c for c in self._races_and_balls if self._sidebands.has_high_shaft_sidebands(c))
         return frozenset(c.place for c in found if self._harmonics.whole_turns(c))
 
     smooth = _of_leading('_harmonics', CombHarmonics.smooth, undisturbed=False)
@@ -599,30 +600,30 @@ class Evidence:
         )
 
     @cached_property
-    def certain(self) -> tuple[Candidate, ...]:
+    def certain_faults(self) -> tuple[Candidate, ...]:
         """Other combs that are separate faults."""
         return tuple(c for c in self.others if c.index >= INDEX_FAULT and self.speed_known)
 
     @cached_property
-    def doubtful(self) -> tuple[Candidate, ...]:
+    def uncertain_faults(self) -> tuple[Candidate, ...]:
         """Other combs that would be faults if the speed were known exactly."""
         return tuple(c for c in self.others if c.index >= INDEX_FAULT and not self.speed_known)
 
     @property
     def alarms(self) -> tuple[Candidate, ...]:
         """The leading comb and those of other faults that are strong enough for an alarm."""
-        return tuple(c for c in (self.leading, *self.certain) if c.index >= INDEX_FAULT)
+        return tuple(c for c in (self.leading, *self.certain_faults) if c.index >= INDEX_FAULT)
 
     @cached_property
-    def in_order(self) -> tuple[Candidate, ...]:
+    def leading_first(self) -> tuple[Candidate, ...]:
         """The leading comb, then the certain other faults, then the uncertain ones."""
-        unsure = (c for c in self.others if c not in self.certain)
-        return (self.leading, *self.certain, *unsure)
+        unsure = (c for c in self.others if c not in self.certain_faults)
+        return (self.leading, *self.certain_faults, *unsure)
 
     @property
-    def told_apart(self) -> dict[str, Candidate]:
+    def separated(self) -> dict[str, Candidate]:
         """Candidates; other faults are measured without the lines of the leading comb."""
-        return self.candidates | {c.place: c for c in self.in_order}
+        return self.candidates | {c.place: c for c in self.leading_first}
 
 
 def _on_harmonics(order: float, cage_order: float, step: float) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.rules.confidence import confidence, Trust
 from bearing_twin.diagnosis.rules.rule import EVEN, rule
-from bearing_twin.diagnosis.rules.verdict import highest_comb, say, silent
+from bearing_twin.diagnosis.rules.verdict import highest_comb, no_statement, say
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
 from bearing_twin.diagnosis.signal.gate import CONVERTER_STEPS, fastest_impacts_hz, HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import (
@@ -35,7 +35,7 @@ def few_steps(e: Evidence) -> Verdict | None:
         f'the RMS is {e.steps:.2g} steps of the converter ({CONVERTER_STEPS:g} are needed to call '
         'it healthy): is the sensor dead? If it is not, raise the gain'
     )
-    return silent(e, text)
+    return no_statement(e, text)
 
 
 @rule(
@@ -63,11 +63,11 @@ def bursts(e: Evidence) -> Verdict | None:
     tells='compare with an earlier record, or measure nearer to the bearing',
 )
 def mostly_damaged(e: Evidence) -> Verdict | None:
-    comb = highest_comb(e.heard)
+    comb = highest_comb(e.all_combs)
     if comb is None or comb.z < Z_FAULT or e.impacts.get(comb.place, 0.0) < IMPACTS:
         return None
     # Two claims are told apart from a factor 2 on, in odds as in power.
-    if Trust.on(e, comb, e.candidates).sound >= -2.0 * math.log(RIVAL):
+    if Trust.on(e, comb, e.candidates).healthy_log_odds >= -2.0 * math.log(RIVAL):
         return None
     text = (
         'impacts too regular for noise, modulation index too low for an alarm: of simulated '
@@ -90,7 +90,7 @@ def two_faint_places(e: Evidence) -> Verdict | None:
         'too weak for a fault, but two places of one bearing are not chance: compare with an '
         'earlier record of this machine, and repeat it with a longer window or a nearer sensor'
     )
-    return silent(e, text)
+    return no_statement(e, text)
 
 
 @rule(
@@ -100,8 +100,8 @@ def two_faint_places(e: Evidence) -> Verdict | None:
     nothing_shows=True,
 )
 def uncertain_health(e: Evidence) -> Verdict | None:
-    trust = Trust.on(e, highest_comb(e.heard), e.candidates)
-    if trust.sound >= 0.0:
+    trust = Trust.on(e, highest_comb(e.all_combs), e.candidates)
+    if trust.healthy_log_odds >= 0.0:
         return None
     share = 100.0 * confidence('healthy', trust)
     text = (
@@ -110,7 +110,7 @@ def uncertain_health(e: Evidence) -> Verdict | None:
         'order, are sound; a longer window, a measured speed, the exact bearing, or a sensor '
         'nearer to it may tell'
     )
-    return silent(e, text)
+    return no_statement(e, text)
 
 
 @rule(
@@ -125,7 +125,7 @@ def few_shaft_turns(e: Evidence) -> Verdict | None:
         f'{e.turns:.0f} shaft turns show strong faults only, and no such one is there: '
         f'{HEALTHY_TURNS:g} are needed to call it healthy, {HEALTHY_TURNS / e.shaft_hz:.1f} s'
     )
-    return silent(e, text)
+    return no_statement(e, text)
 
 
 @rule(
@@ -144,7 +144,7 @@ def run_together(e: Evidence) -> Verdict | None:
         'together: call it healthy from a record with faster sampling or a slower shaft, and look '
         'for lines at multiples of the fault frequencies in the spectrum'
     )
-    return silent(e, text)
+    return no_statement(e, text)
 
 
 @rule('insufficient', 'What rings low has steady lines and modulates little.', nothing_shows=True)
@@ -156,7 +156,7 @@ def low_lines(e: Evidence) -> Verdict | None:
         "race's frequency is in lines at these multiples: a fault that rings low, or the variable "
         'compliance of a sound bearing; compare with an earlier record, sample faster or slow down'
     )
-    return silent(e, text)
+    return no_statement(e, text)
 
 
 @rule('healthy', 'No comb is both significant and strong.', faint=True)

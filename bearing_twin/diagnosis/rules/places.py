@@ -25,7 +25,7 @@ _GIVE_SPEED = (
 
 @rule('ambiguous', 'A comb with high shaft sidebands may be a sideband of the inner race.')
 def load_zone_modulated(e: Evidence) -> Verdict | None:
-    comb = e.load_zone.uncertain if e.own else None
+    comb = e.load_zone.uncertain if e.unexplained else None
     if comb is None:
         return None
     inner = e.candidates['inner']
@@ -130,7 +130,7 @@ def contested_comb(e: Evidence) -> Verdict | None:
             'tell them apart: an exact shaft speed may part them'
         )
         level = 'fault' if e.alarms else 'suspect'
-        places, found = (one.place, other.place), e.told_apart
+        places, found = (one.place, other.place), e.separated
         texts = (str(other), text)
         return say(e, *texts, about=one, faults=places, level=level, candidates=found)
     return None
@@ -138,14 +138,14 @@ def contested_comb(e: Evidence) -> Verdict | None:
 
 @rule('ambiguous', 'Without an exact speed lines of a second fault may be sidebands of the first.')
 def uncertain_second(e: Evidence) -> Verdict | None:
-    doubtful = e.doubtful
+    doubtful = e.uncertain_faults
     # If the leading comb is too weak for an alarm, the other comb gives the alarm.
     named = e.leading.index >= INDEX_FAULT
     if not doubtful or (named and max(c.z for c in doubtful) * RIVAL <= e.leading.z):
         return None
     places = (e.leading.place, *(c.place for c in doubtful))
-    texts = (*map(str, e.in_order[1:]), _GIVE_SPEED)
-    found = e.told_apart
+    texts = (*map(str, e.leading_first[1:]), _GIVE_SPEED)
+    found = e.separated
     return say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)
 
 
@@ -166,23 +166,23 @@ def both_races(e: Evidence) -> Verdict | None:
         'mounting or currents mark both, and sound races may have waves'
     )
     places = (e.leading.place, other.place, 'ball')
-    beside = (str(c) for c in e.in_order[1:] if abs(c.order - other.order) > 2.0 * e.step)
+    beside = (str(c) for c in e.leading_first[1:] if abs(c.order - other.order) > 2.0 * e.step)
     texts = (*beside, text, NO_ALARM)
-    return say(e, *texts, about=e.leading, faults=places, candidates=e.told_apart)
+    return say(e, *texts, about=e.leading, faults=places, candidates=e.separated)
 
 
 @rule('suspect', 'A significant comb that modulates the envelope little is no alarm.', faint=True)
 def weak_modulation(e: Evidence) -> Verdict | None:
     if e.alarms:
         return None
-    places = tuple(c.place for c in e.in_order)
-    texts = (*map(str, e.in_order[1:]), NO_ALARM)
-    return say(e, *texts, about=e.leading, faults=places, candidates=e.told_apart)
+    places = tuple(c.place for c in e.leading_first)
+    texts = (*map(str, e.leading_first[1:]), NO_ALARM)
+    return say(e, *texts, about=e.leading, faults=places, candidates=e.separated)
 
 
 @rule('its place', 'The comb is significant, strong, and nothing else explains it.')
 def fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in e.alarms)
-    texts = (*map(str, e.in_order[1:]), *((_GIVE_SPEED,) if e.doubtful else ()))
-    found = e.told_apart
+    texts = (*map(str, e.leading_first[1:]), *((_GIVE_SPEED,) if e.uncertain_faults else ()))
+    found = e.separated
     return say(e, *texts, about=e.leading, faults=places, level='fault', candidates=found)

@@ -105,7 +105,7 @@ def decide(evidence: Evidence) -> Verdict:
     'mains_pulses'
 
     """
-    return trusted(evidence, answer(evidence))
+    return with_confidence_basis(evidence, answer(evidence))
 
 
 def answer(evidence: Evidence) -> Verdict:
@@ -135,14 +135,14 @@ def answer(evidence: Evidence) -> Verdict:
     raise AssertionError('the last rule applies to any evidence')
 
 
-def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
+def with_confidence_basis(evidence: Evidence, verdict: Verdict) -> Verdict:
     """
     Return a verdict with the basis of its confidence, which is limited at an unlikely slip.
 
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> slipped = Evidence.of(Candidate('inner', 4.9, slip=0.03, z=9.0, index=0.8))
-    >>> trusted(slipped, answer(slipped)).trust.at_most == DOUBTED
+    >>> with_confidence_basis(slipped, answer(slipped)).trust.at_most == DOUBTED
     True
 
     """
@@ -150,7 +150,7 @@ def trusted(evidence: Evidence, verdict: Verdict) -> Verdict:
     named = (verdict.candidates[place] for place in verdict.faults)
     # If two faults are named, both must be there; of several possible places, one.
     least_or_most = min if verdict.result in verdict.faults else max
-    comb = least_or_most(named, key=lambda c: c.z, default=highest_comb(evidence.heard))
+    comb = least_or_most(named, key=lambda c: c.z, default=highest_comb(evidence.all_combs))
     at_most = min(rule.at_most, DOUBTED) if _unlikely_slip(verdict) else rule.at_most
     known = {'rule': rule.name, 'at_most': at_most}
     return verdict._replace(trust=Trust.on(evidence, comb, verdict.candidates, **known))

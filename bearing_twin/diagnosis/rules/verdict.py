@@ -97,12 +97,12 @@ def say(
     )
 
 
-def silent(e: Evidence, text: str) -> Verdict:
+def no_statement(e: Evidence, text: str) -> Verdict:
     """
     Return a verdict without a statement: the reasons are the faint combs and ``text``.
 
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
-    >>> silent(Evidence.of(), 'few turns').level
+    >>> no_statement(Evidence.of(), 'few turns').level
     'none'
 
     """
@@ -116,8 +116,10 @@ def unless_loose(e: Evidence, comb: Candidate) -> str:
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
-    >>> unless_loose(Evidence.of(inner), inner), unless_loose(Evidence.of(loose={'inner'}), inner)
-    ('fault', 'suspect')
+    >>> unless_loose(Evidence.of(inner), inner)
+    'fault'
+    >>> unless_loose(Evidence.of(loose_shaft={'inner'}), inner)
+    'suspect'
 
     """
-    return 'fault' if comb.index >= INDEX_FAULT and comb.place not in e.loose else 'suspect'
+    return 'fault' if comb.index >= INDEX_FAULT and comb.place not in e.loose_shaft else 'suspect'

@@ -33,8 +33,8 @@ from bearing_twin.diagnosis.signal.severity import (
     Levels,
     measure_severity,
     MEASURES,
+    monitored_levels,
     valid_for_length,
-    watched,
 )
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import restored
@@ -184,9 +184,9 @@ class SeriesMonitor:
             shaft_hz=shaft_hz,
         )  # fmt: skip
         severity = valid_for_length(severity, len(signal), sample_rate)
-        levels = watched(severity)
+        levels = monitored_levels(severity)
         changes, deviations = self._changes_at(now)
-        if memory.fallen(float(levels[0] - changes[0]), now, FAULT_DB):
+        if memory.has_fallen(float(levels[0] - changes[0]), now, FAULT_DB):
             self._not_compared(time, _FALLEN)
             return None
         self._kept.unjudged, self._kept.source = 0, Source(unit=unit, sample_rate=sample_rate)
@@ -467,7 +467,7 @@ class SeriesMonitor:
         if base is None and not self._teaches and math.isnan(self._kept.risen):
             reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')
         elif base is None:
-            count, hertz = self._kept.memory.most()
+            count, hertz = self._kept.memory.most_at_one_speed()
             wanted = self._settings.baseline_windows
             why = f'{wanted} snapshots in a row wanted; {len(self._kept.points)} judged'
             if count >= wanted:

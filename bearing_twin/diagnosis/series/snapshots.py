@@ -18,7 +18,7 @@ from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.signal.severity import LEAST
-from bearing_twin.diagnosis.signal.shaft import Turning
+from bearing_twin.diagnosis.signal.shaft import SpeedProfile
 from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, restored, unpack
@@ -165,7 +165,9 @@ class SeriesDiagnoser:
         return [
             Excerpt.of(
                 np.concatenate([part for part, _ in parts]),
-                Turning(np.array([hz for _, hz in parts]), np.array([len(x) for x, _ in parts])),
+                SpeedProfile(
+                    np.array([hz for _, hz in parts]), np.array([len(x) for x, _ in parts])
+                ),
                 self._rate,
                 self._bearing,
                 settings,
@@ -189,7 +191,7 @@ class SeriesDiagnoser:
             self.other_source = f'the series is of {self._source}, this is {source}'
             return replace(found, reasons=(*found.reasons, self.other_source))
         point = self._monitor.add(
-            time, excerpt.samples, excerpt.sample_rate, excerpt.turning.mean_hz,
+            time, excerpt.samples, excerpt.sample_rate, excerpt.speed_profile.mean_hz,
             temperature=excerpt.temperature, unit=excerpt.unit, answer=found,
         )  # fmt: skip
         report = self._monitor.report()

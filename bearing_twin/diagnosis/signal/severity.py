@@ -239,14 +239,14 @@ def band_name(measure: int, sample_rate: float) -> str:
     return f'{low:g} to {0.5 * sample_rate:g} Hz'
 
 
-def watched(severity: Severity) -> list[float]:
+def monitored_levels(severity: Severity) -> list[float]:
     """
     Return the levels of the :data:`MEASURES`, dB.
 
     >>> turns = 2.0 * np.pi * np.arange(25600) / 25600.0
     >>> x = 2.0 * np.sin(100.0 * turns) + 2.0 * np.sin(5.0 * turns)
     >>> found = measure_severity(Levels.of(x, np.fft.rfft(x) / len(x), 25600.0))
-    >>> round(found.rms, 2), round(watched(found)[0], 1)
+    >>> round(found.rms, 2), round(monitored_levels(found)[0], 1)
     (2.0, 3.0)
 
     """

@@ -174,12 +174,12 @@ def other_shafts_hz(
     return found
 
 
-class Turning(NamedTuple):
+class SpeedProfile(NamedTuple):
     """
     Speed of the shaft during each part of a window.
 
-    >>> turning = Turning(np.array([25.0, 26.0]), np.array([300, 100]))
-    >>> turning.mean_hz, turning.varies
+    >>> profile = SpeedProfile(np.array([25.0, 26.0]), np.array([300, 100]))
+    >>> profile.mean_hz, profile.varies
     (25.25, True)
 
     """
@@ -200,23 +200,23 @@ class Turning(NamedTuple):
         """Whether the speed varies so much that lines smear."""
         return bool(np.ptp(self.shaft_hz) > _STEADY * self.mean_hz)
 
-    def part(self, begin: int, end: int) -> Turning:
+    def part(self, begin: int, end: int) -> SpeedProfile:
         """
         Return the speed from sample ``begin`` to before sample ``end``.
 
-        >>> Turning(np.array([25.0, 26.0]), np.array([300, 100])).part(250, 400).lengths
+        >>> SpeedProfile(np.array([25.0, 26.0]), np.array([300, 100])).part(250, 400).lengths
         array([ 50, 100])
 
         """
         ends = np.cumsum(self.lengths)
         lengths = np.minimum(ends, end) - np.maximum(ends - self.lengths, begin)
-        return Turning(self.shaft_hz[lengths > 0], lengths[lengths > 0])
+        return SpeedProfile(self.shaft_hz[lengths > 0], lengths[lengths > 0])
 
     def equal_angles(self, count: int) -> NDArray[np.float64]:
         """
         Return the fractional sample at which each of ``count`` equal parts of the angle begins.
 
-        >>> Turning(np.array([20.0, 40.0]), np.array([100, 100])).equal_angles(6)
+        >>> SpeedProfile(np.array([20.0, 40.0]), np.array([100, 100])).equal_angles(6)
         array([  0.,  50., 100., 125., 150., 175.])
 
         """

@@ -103,7 +103,7 @@ CASES = {
         (),
     ),
     'strikes_each_turn': (
-        Evidence.of(each_turn=comb('elsewhere', order=3.0, z=8.1, index=1.4)),
+        Evidence.of(impacts_each_turn=comb('elsewhere', order=3.0, z=8.1, index=1.4)),
         'suspect',
         'suspect',
         (),
@@ -355,13 +355,13 @@ def test_impacts_elsewhere_say_which_speed_and_which_bearings_would_fit():
     # Impacts with sidebands of the shaft are of an inner race before they are of a ball.
     for sways, first in ((True, 'inner of 6205'), (False, 'ball of 60/28')):
         found = comb('elsewhere', order=5.41, z=9.0)
-        said = decide(Evidence.of(elsewhere=found, elsewhere_sways=sways))
+        said = decide(Evidence.of(elsewhere=found, elsewhere_has_shaft_sidebands=sways))
         assert f'in the catalogue {first}' in said.reasons[-1]
     # An axial load opens a contact angle that the catalogue does not know of.
     loaded = fault_orders(replace(find_bearing('6205'), contact_angle=np.radians(18.0)))
     for place in ('inner', 'outer', 'ball'):
         found = comb('elsewhere', order=loaded.impacts(place), z=9.0)
-        said = decide(Evidence.of(elsewhere=found, elsewhere_sways=place == 'inner'))
+        said = decide(Evidence.of(elsewhere=found, elsewhere_has_shaft_sidebands=place == 'inner'))
         assert re.search('of 6205[, ]', said.reasons[-1]), said.reasons
     said = decide(Evidence.of(elsewhere=comb('elsewhere', order=1.05, z=9.0)))
     assert said.reasons[-1] == 'the shaft seems to turn at 26.25 Hz: check the speed'
@@ -507,7 +507,7 @@ def test_a_second_look_counts_only_where_nothing_else_is_significant():
 
 
 def test_lines_of_a_loose_shaft_are_no_alarm():
-    of_shaft = {'loose': frozenset({'outer'})}
+    of_shaft = {'loose_shaft': frozenset({'outer'})}
     doubtful = (
         Evidence.of(INNER_SIDEBAND, **SIDEBAND, **of_shaft),
         Evidence.of(OUTER, whole_turns=3, **of_shaft),
