@@ -190,7 +190,7 @@ def test_calibration_goes_on_after_a_machine_that_is_not_fitted(tmp_path, monkey
 
 
 def test_a_count_of_intervals_that_hold():
-    """Three of four told hold, one of them narrowly; what is not told counts apart."""
+    """Three of four identifiable widths hold, one narrowly; those that are not count apart."""
     row = {
         'place': 'inner', 'q25': 0.9, 'q75': 1.1, 'own_q05': 0.85, 'own_q95': 1.2,
         'identifiable': True, 'rank': 0.5,
@@ -202,7 +202,7 @@ def test_a_count_of_intervals_that_hold():
     rows.append(rows[1] | {'identifiable': False})
     rows.append(rows[1] | {'width': math.nan})
     said = calibration.summary(rows)
-    assert (said['faulty'], said['told']) == (5, 4)
+    assert (said['faulty'], said['identifiable']) == (5, 4)
     assert (said['within_90'], said['within_50'], said['within_90_all']) == (0.75, 0.25, 0.8)
     assert said['within_90_own'] == 0.25
     assert said['median_error'] == pytest.approx(0.225)

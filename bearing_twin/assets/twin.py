@@ -10,7 +10,7 @@ import struct
 import time
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.assets.calibration.fitted import read_fitted, Sensor
+from bearing_twin.assets.calibration.fitted import read_fitted_model, Sensor
 from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
 from bearing_twin.assets.parameters.twin import (
     build_parameters,
@@ -27,7 +27,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from bearing_twin.assets.calibration.fitted import Fitted
+    from bearing_twin.assets.calibration.fitted import FittedModel
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.single.simulator import Block
     from bearing_twin.streams.pacer import Due
@@ -127,22 +127,22 @@ class Twin(TwinChannel):
         self.sensor: Sensor | None = None
         """Sensor of the machine by the calibration in force; None without a calibration."""
         self._changing = False
-        self._next: Fitted | None = None
+        self._next: FittedModel | None = None
 
     @property
-    def fitted(self) -> Fitted | None:
+    def fitted_model(self) -> FittedModel | None:
         """The calibration in force; None without one."""
-        return self.sensor.fitted if self.sensor is not None else None
+        return self.sensor.fitted_model if self.sensor is not None else None
 
     @property
-    def calibrations(self) -> tuple[Fitted | None, Fitted | None]:
+    def calibrations(self) -> tuple[FittedModel | None, FittedModel | None]:
         """The calibration in force, and the one that begins with the next block."""
-        return self.fitted, self._next
+        return self.fitted_model, self._next
 
     @property
     def unit(self) -> str:
         """Unit of the vibration."""
-        return ACCELERATION if self.fitted is None else self.fitted.unit
+        return ACCELERATION if self.fitted_model is None else self.fitted_model.unit
 
     def warm(self) -> None:
         """Compile the functions for a block beforehand, as the first block has a deadline."""
@@ -154,10 +154,10 @@ class Twin(TwinChannel):
     def apply(self, values: Mapping[str, Any]) -> None:
         """Apply changed parameters; the motion continues from its current state."""
         super().apply(values)
-        self.simulator.reconfigure(self._parameters(self.fitted))
+        self.simulator.reconfigure(self._parameters(self.fitted_model))
         self.ask_checkpoint()
 
-    def take(self, fitted: Fitted | None) -> None:
+    def take(self, fitted: FittedModel | None) -> None:
         """
         Apply a calibration, or drop it (None), in the next block, which fades between both twins.
 
@@ -171,7 +171,7 @@ class Twin(TwinChannel):
             fitted.check(build_parameters(self.values), self.values['sample_rate'])
             # Compile or load the filter before a block needs it.
             fitted.path.filter().apply([0.0])
-        differs = (fitted and fitted.text) != (self.fitted and self.fitted.text)
+        differs = (fitted and fitted.text) != (self.fitted_model and self.fitted_model.text)
         # This replaces an earlier request that has not begun yet.
         if differs or self._changing:
             self._changing, self._next = differs, fitted if differs else None
@@ -182,7 +182,7 @@ class Twin(TwinChannel):
         self.simulator.start = self.start_temperature, self.simulator.shaft_hz
         self.simulator.reset()
         if self.sensor is not None:
-            self.sensor = Sensor(self.sensor.fitted)
+            self.sensor = Sensor(self.sensor.fitted_model)
         self.ask_checkpoint()
 
     def _begin_at(self, temperature: float) -> None:
@@ -197,7 +197,7 @@ class Twin(TwinChannel):
             return state
         parts = [
             state,
-            self.sensor.fitted.text.encode() if self.sensor else b'',
+            self.sensor.fitted_model.text.encode() if self.sensor else b'',
             self.sensor.save() if self.sensor else b'',
             self._next.text.encode() if self._next else b'',
         ]
@@ -219,7 +219,7 @@ class Twin(TwinChannel):
             ends = np.cumsum([0, *sizes])
             parts = [body[a:b] for a, b in pairwise(ends)]
         fitted, following = (
-            read_fitted(text.decode(errors='replace')) if text else None
+            read_fitted_model(text.decode(errors='replace')) if text else None
             for text in (parts[1], parts[3])
         )
         own = build_parameters(self.values)
@@ -229,7 +229,7 @@ class Twin(TwinChannel):
         if sensor is not None:
             sensor.load(parts[2])
         simulator = self.simulator
-        if (fitted and fitted.text) != (self.fitted and self.fitted.text):
+        if (fitted and fitted.text) != (self.fitted_model and self.fitted_model.text):
             simulator = build_simulator(self.values, self._parameters(fitted))
         simulator.load(parts[0])
         self.simulator, self.sensor, self.settled = simulator, sensor, True
@@ -282,7 +282,7 @@ class Twin(TwinChannel):
         return block if self.sensor is None else self.sensor.take(block)
 
     def _made(self, block: Block, inputs: TwinInputs) -> TwinBlock:
-        fitted = self.fitted
+        fitted = self.fitted_model
         injected = defect_places(self.values['defect']) != 'none'
         defect = fitted.defect if fitted and not injected else ''
         return TwinBlock(block, *inputs, self.unit, defect)
@@ -304,6 +304,6 @@ class Twin(TwinChannel):
         share = (0.5 - 0.5 * np.cos(np.pi * (np.arange(n) + 0.5) / n)).astype(np.float32)
         return replace(new, x=old.x + share * (new.x - old.x), y=old.y + share * (new.y - old.y))
 
-    def _parameters(self, fitted: Fitted | None) -> TwinParameters:
+    def _parameters(self, fitted: FittedModel | None) -> TwinParameters:
         own = build_parameters(self.values)
         return own if fitted is None else fitted.parameters(own)

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.calibration.answer.estimates import (
+    assumed_quantities,
     of_defect,
     of_path,
     of_slip,
-    supposed,
     without_defect,
 )
-from bearing_twin.calibration.answer.impacts import gear, impacts_of
+from bearing_twin.calibration.answer.impacts import gear_mesh, impacts_of
 from bearing_twin.calibration.answer.refusals import (
     copied,
     half_frequency,
@@ -251,22 +251,20 @@ def _fitted(
     if defective:
         refusal = no_impacts(x, situation) if named else None
         refusal = refusal or half_frequency(x, situation)
-        turning = gear(x, situation.sample_rate, measured)
+        gear = gear_mesh(x, situation.sample_rate, measured)
         # A defect beside a gear may be wider than the distance of the gear's impacts.
-        refusal = refusal or (
-            turning and with_longest_spacing(turning, whole, measured, situation)
-        )
+        refusal = refusal or (gear and with_longest_spacing(gear, whole, measured, situation))
         refusal = refusal or too_wide(whole, situation, measured)
         refusal = refusal or unresolved(whole, measured, situation)
         refusal = refusal or copied(x, situation, measured)
         count = affordable(situation, candidates)
         left, refusal = _defect(x, measured, situation, count, seed, refusal)
-        seen = None if turning else impacts_of(whole, measured, situation)
+        seen = None if gear else impacts_of(whole, measured, situation)
     else:
-        left = posterior.supposed(situation, seed)
+        left = posterior.from_prior(situation, seed)
     values, weights = left.values, left.weights
-    unseen = refusal is not None and refusal.kind.unseen
-    twin_of = replace(situation, place='none') if unseen else situation
+    defect_unknown = refusal is not None and refusal.kind.defect_unknown
+    twin_of = replace(situation, place='none') if defect_unknown else situation
     path, twin = _path(x, twin_of, values, weights, seed)
     factor = acceleration_factor(unit)
     before = twin + NOISE * np.random.default_rng(seed).standard_normal(len(twin))
@@ -280,7 +278,7 @@ def _fitted(
             statement = f'no width: {refusal.why}'
     else:
         width, statement = without_defect(x, situation, scale, unit, seed, refusal)
-        quantities |= {'defect_width_mm': width, **supposed(values, weights, situation)}
+        quantities |= {'defect_width_mm': width, **assumed_quantities(values, weights, situation)}
     fitted = path.filter(seed).apply(twin)[len(path.denominator) :]
     machine, own, other = (
         band_levels(y, situation.sample_rate) for y in (x, fitted, before / scale)
@@ -315,18 +313,22 @@ def _defect(
     seed: int,
     refusal: Refusal | None,
 ) -> tuple[Posterior, Refusal | None]:
-    """Return the posterior of a defect, and why its width is not told; None if it is."""
+    """Return the posterior of a defect, and why its width is not identifiable; None if it is."""
     if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
-        return posterior.supposed(situation, seed), refusal
+        return posterior.from_prior(situation, seed), refusal
     if refusal:
-        return posterior.limit(measured, situation, candidates=candidates, seed=seed), refusal
+        return posterior.without_spacing(
+            measured, situation, candidates=candidates, seed=seed
+        ), refusal
     left = posterior.sample(measured, situation, candidates=candidates, seed=seed)
     # Two impacts are separate if a resonance that they excite oscillates between them.
     fastest = fastest_resonance(x, situation.sample_rate, measured.spacing)
     refusal = width_not_determined(left, situation, fastest)
     # Either the impacts are those of a passage or they hide it: both cases are equally likely.
     if refusal is not None and refusal.kind is not Kind.MANY_WIDTHS:
-        left = left.or_else(posterior.limit(measured, situation, candidates=candidates, seed=seed))
+        left = left.mixed_with(
+            posterior.without_spacing(measured, situation, candidates=candidates, seed=seed)
+        )
     return left, refusal
 
 

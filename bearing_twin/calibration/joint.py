@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 WIDTH = 'defect_width_mm'
 
 
-def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
+def corrected_by_speeds(found: Calibration, others: Iterable[Impacts]) -> Calibration:
     """
     Return a calibration, corrected by the impacts of records at other speeds.
 
@@ -40,7 +40,7 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
     >>> from bearing_twin.calibration import fit
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
     >>> healthy = fit(noise, 12800.0, find_bearing('6205'), 25.0, unit='m/s^2', place='none')
-    >>> compared(healthy, []) is healthy
+    >>> corrected_by_speeds(healthy, []) is healthy
     True
 
     """
@@ -54,8 +54,8 @@ def compared(found: Calibration, others: Iterable[Impacts]) -> Calibration:
             return found
         # The peak is ringing, so that the other edge may be anywhere.
         high = next_ball(found.situation)
-        told = replace(width, q05=0.0, q95=high, identifiable=False, why=refusal.why)
-        return _with(found, told, refusal.kind)
+        limited = replace(width, q05=0.0, q95=high, identifiable=False, why=refusal.why)
+        return _with(found, limited, refusal.kind)
     alike = follows_speed(seen, others)
     if not alike:
         return found
@@ -109,7 +109,7 @@ def passage_width(here: Situation, seen: Sequence[Impacts]) -> Estimate:
     )
 
 
-def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
+def common_width(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     """
     Compare calibrations of one machine; return them, their common width and a statement.
 
@@ -127,7 +127,7 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
     >>> from bearing_twin.calibration import fit
     >>> noise = 0.01 * np.random.default_rng(1).standard_normal(25600)
     >>> healthy = fit(noise, 12800.0, find_bearing('6205'), 25.0, unit='m/s^2', place='none')
-    >>> joined([healthy, healthy])[2]
+    >>> common_width([healthy, healthy])[2]
     'no defect above 0.1 mm'
 
     """
@@ -142,7 +142,7 @@ def joined(found: list[Calibration]) -> tuple[list[Calibration], Estimate, str]:
         raise BearingTwinError(msg)
     seen = [each.impacts for each in found if each.impacts is not None]
     alone = [each.quantities[WIDTH].identifiable for each in found]
-    found = [compared(each, seen) for each in found]
+    found = [corrected_by_speeds(each, seen) for each in found]
     if places == ['none']:
         # A healthy record does not clear another one that may have a defect.
         clearest = min(found, key=lambda each: (each.refusal is None, each.quantities[WIDTH].q95))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
-from bearing_twin.calibration.joint import joined
+from bearing_twin.calibration.joint import common_width
 from bearing_twin.calibration.residual import MOVED
 from bearing_twin.cli.signal_arguments import (
     add_reading,
@@ -141,7 +141,7 @@ def _print_joined(fitted: list[tuple[str, str, Calibration]], *, as_json: bool) 
     """Print the fit of each record given the others, and the joint result."""
     names = [name for name, _, _ in fitted]
     try:
-        records, width, statement = joined([found for _, _, found in fitted])
+        records, width, statement = common_width([found for _, _, found in fitted])
     except BearingTwinError:
         # The fits took minutes: they are printed even if they cannot be joined.
         for name, source, found in fitted:
@@ -202,12 +202,12 @@ def _page(source: str, found: Calibration) -> str:
     ]
     reasons: dict[str, list[str]] = {}
     for quantity, value in found.quantities.items():
-        told = 'told' if value.identifiable else 'not told'
+        word = 'identifiable' if value.identifiable else 'not identifiable'
         lines.append(
             f'{quantity:<20} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g}  '
-            f'{told:<8} {value.unit.replace("unit of the samples", "unit")}'.rstrip()
+            f'{word:<16} {value.unit.replace("unit of the samples", "unit")}'.rstrip()
         )
-        reasons.setdefault(f'{told}: {value.why}', []).append(quantity)
+        reasons.setdefault(f'{word}: {value.why}', []).append(quantity)
     # Many quantities share a reason, and a row with its own would be too wide.
     for reason, quantities in reasons.items():
         lines += ['', *wrap(f'{", ".join(quantities)} {reason}', 78)]

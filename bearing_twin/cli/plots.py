@@ -7,7 +7,7 @@ from __future__ import annotations
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-from bearing_twin.assets.calibration.task import beside
+from bearing_twin.assets.calibration.task import comparison
 from bearing_twin.assets.messages import diagnosis_message, spectrum_message
 from bearing_twin.dynamics.equations.sensor_path import BAND_HZ
 from bearing_twin.view.report.fitted import draw_comparison
@@ -52,7 +52,7 @@ def draw_calibration(
     found: Calibration, x: NDArray[np.float64], sample_rate: float, path: Path
 ) -> None:
     """Write machine and twin, and the distribution of the width, to ``path`` (PNG)."""
-    spectrum, turns = beside(found, x, sample_rate)
+    spectrum, turns = comparison(found, x, sample_rate)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11, 8), layout='constrained')
         *pair, lower = figure.subplots(3, 1)

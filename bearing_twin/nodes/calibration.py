@@ -10,7 +10,7 @@ import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.calibration.core import CalibrationCore
-from bearing_twin.assets.calibration.task import work
+from bearing_twin.assets.calibration.task import fit_record
 from bearing_twin.assets.parameters.calibration import SPECS
 from bearing_twin.calibration.candidates.cloud import TEMPERATURE
 from bearing_twin.errors import BearingTwinError
@@ -71,7 +71,7 @@ class CalibrationNode(ManagedNode):
         self._began = 0.0
         self._state = self.states.kept(p.values, self.get_fully_qualified_name())
         self._state.load(self._core.load, wait=True)
-        self._worker = Worker(work, niceness=GENTLE)
+        self._worker = Worker(fit_record, niceness=GENTLE)
         self._out = self.create_lifecycle_publisher(
             Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
         )
@@ -193,7 +193,7 @@ class CalibrationNode(ManagedNode):
         heat = self._temperature()
         values: dict[str, object] = {
             'bearing': f'bearing {self._core.bearing.name}',
-            'temperature': f'none received, {TEMPERATURE:g} degC are supposed'
+            'temperature': f'none received, {TEMPERATURE:g} degC are assumed'
             if math.isnan(heat)
             else f'{heat:.1f} degC',
         }
@@ -219,14 +219,14 @@ class CalibrationNode(ManagedNode):
             return Status(Level.WARN, f'the healthy twin is not kept: {problem}', values)
         if found is None:
             return Status(Level.STALE, f'no calibration yet: {self._pending()}', values)
-        if stale := self._core.stale(time.monotonic()):
+        if stale := self._core.stale_reason(time.monotonic()):
             return Status(Level.STALE, f'stale, {found.statement}: {stale}', values, kind='stale')
         return Status(Level.OK, found.statement, values, kind='calibration')
 
     def _pending(self) -> str:
         """Return the text that explains why there is no calibration yet."""
         if self._running is None:
-            return self._core.filling
+            return self._core.progress
         return (
             f'the first fit has run for {time.monotonic() - self._began:.0f} s; that of a new '
             'installation compiles the twin, which takes a minute'

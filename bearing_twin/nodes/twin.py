@@ -13,7 +13,7 @@ from bearing_twin.assets.twin_messages import StateSchedule
 from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.dynamics.trend import trend_sentence
-from bearing_twin.nodes.twin_calibration import named, TwinCalibration
+from bearing_twin.nodes.twin_calibration import named_model, TwinCalibration
 from bearing_twin.nodes.twin_services import TwinServices
 from bearing_twin.nodes.twin_topics import TwinTopics
 from bearing_twin.ros import realtime
@@ -25,7 +25,7 @@ from bearing_twin.ros.topics.subscribing import receiver_clock
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.assets.calibration.fitted import Fitted
+    from bearing_twin.assets.calibration.fitted import FittedModel
     from bearing_twin.streams.pacer import Due
 
 
@@ -45,8 +45,12 @@ class TwinNode(ManagedNode):
         steps(own, rate)
         # Check the calibrations in force and for the next block, which may come from the topic,
         # and the one that the parameters name.
-        taken: list[Fitted | None] = list(self._twin.calibrations) if self.configured else []
-        taken.append(self._calibration.asked(values)[1] if self.configured else named(values))
+        taken: list[FittedModel | None] = list(self._twin.calibrations) if self.configured else []
+        taken.append(
+            self._calibration.requested_model(values)[1]
+            if self.configured
+            else named_model(values)
+        )
         for fitted in filter(None, taken):
             fitted.check(own, rate)
         realtime.check_thresholds(values)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.calibration.fitted import read_fitted
+from bearing_twin.assets.calibration.fitted import read_fitted_model
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import signed
 from bearing_twin.ros.health import Level, Status
@@ -19,13 +19,13 @@ from bearing_twin_msgs.msg import Calibration
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from bearing_twin.assets.calibration.fitted import Fitted
+    from bearing_twin.assets.calibration.fitted import FittedModel
     from bearing_twin.assets.twin import Twin
     from bearing_twin.ros.health import Health
     from bearing_twin.ros.lifecycle import ManagedNode
 
 
-def named(values: Mapping[str, Any]) -> Fitted | None:
+def named_model(values: Mapping[str, Any]) -> FittedModel | None:
     """
     Return the calibration that the parameters name; None if they name none.
 
@@ -38,7 +38,7 @@ def named(values: Mapping[str, Any]) -> Fitted | None:
     if not values['calibration']:
         return None
     file = StateFolder(values['state_directory']).load(values['calibration'])
-    return read_fitted(file.decode(errors='replace'))
+    return read_fitted_model(file.decode(errors='replace'))
 
 
 class TwinCalibration:
@@ -62,13 +62,13 @@ class TwinCalibration:
         """Apply the calibration that changed parameters name."""
         if values['calibration'] or values['follow_calibration']:
             self._health.add('calibration', self.status)
-        differs, fitted = self.asked(values)
+        differs, fitted = self.requested_model(values)
         if differs:
             self._twin.take(fitted)
             self._name, self._text = values['calibration'], fitted.text if fitted else ''
             self._heard = False
 
-    def asked(self, values: Mapping[str, Any]) -> tuple[bool, Fitted | None]:
+    def requested_model(self, values: Mapping[str, Any]) -> tuple[bool, FittedModel | None]:
         """
         Return whether the parameters name a new calibration, by name or content, and this one.
 
@@ -80,12 +80,12 @@ class TwinCalibration:
         # Not Path.exists, which raises if a disk does not answer.
         if same and name and not os.path.lexists(folder.path(name)):
             return False, None
-        fitted = named(values)
+        fitted = named_model(values)
         return not same or (fitted is not None and fitted.text != self._text), fitted
 
     def _on_calibration(self, message: Calibration, _: object) -> None:
         try:
-            self._twin.take(read_fitted(message.json))
+            self._twin.take(read_fitted_model(message.json))
         except BearingTwinError as error:
             self._problem = str(error)
             self._node.get_logger().warning(f'not taken: {error}', throttle_duration_sec=60.0)
@@ -106,7 +106,7 @@ class TwinCalibration:
             waits = self._published()
             text = 'no calibration yet' if waits else 'runs by its own parameters'
             return Status(Level.STALE if waits else Level.OK, text, {})
-        fitted, alike = sensor.fitted, sensor.likeness()
+        fitted, similarity = sensor.fitted_model, sensor.similarity()
         values: dict[str, object] = {
             'statement': fitted.statement,
             'machine_shaft_hz': fitted.shaft_hz,
@@ -115,11 +115,13 @@ class TwinCalibration:
         if self._heard and not self._published():
             text = f'no node publishes calibrations any more; the last one: {fitted.statement}'
             return Status(Level.STALE, text, values, kind='left')
-        if alike is None:
+        if similarity is None:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
-        values |= {'distance_db': alike.distance, 'level_over_machine_db': alike.level}
+        values |= {'distance_db': similarity.distance, 'level_over_machine_db': similarity.level}
         text = (
-            f'{signed(alike.level)} dB over the machine, log-spectral distance '
-            f'{alike.distance:.1f} dB; {fitted.statement}'
+            f'{signed(similarity.level)} dB over the machine, log-spectral distance '
+            f'{similarity.distance:.1f} dB; {fitted.statement}'
         )
-        return Status(Level.WARN if alike.far else Level.OK, text, values, kind='compared')
+        return Status(
+            Level.WARN if similarity.dissimilar else Level.OK, text, values, kind='compared'
+        )

@@ -85,22 +85,22 @@ def summary(rows: Sequence[Row]) -> Row:
 
     """
     faulty = [row for row in rows if math.isfinite(row['width']) and row['place'] != 'none']
-    told = [row for row in faulty if row['identifiable']]
-    wide = [row for row in told if row['width'] >= 0.5]
-    counts = np.histogram([row['rank'] for row in told], bins=BINS, range=(0.0, 1.0))[0]
+    identifiable = [row for row in faulty if row['identifiable']]
+    wide = [row for row in identifiable if row['width'] >= 0.5]
+    counts = np.histogram([row['rank'] for row in identifiable], bins=BINS, range=(0.0, 1.0))[0]
     orders = [(row['width'], row['median']) for row in faulty]
     return {
         'faulty': len(faulty),
-        'told': len(told),
-        'within_90': _share(told, 'q05', 'q95'),
-        'within_90_own': _share(told, 'own_q05', 'own_q95'),
-        'within_50': _share(told, 'q25', 'q75'),
+        'identifiable': len(identifiable),
+        'within_90': _share(identifiable, 'q05', 'q95'),
+        'within_90_own': _share(identifiable, 'own_q05', 'own_q95'),
+        'within_50': _share(identifiable, 'q25', 'q75'),
         'within_90_all': _share(faulty, 'q05', 'q95'),
         'median_error': float(
             np.median([abs(row['median'] / row['width'] - 1.0) for row in wide] or [math.nan])
         ),
         'ranks': [int(count) for count in counts],
-        'chi_square_p': float(stats.chisquare(counts).pvalue) if len(told) else math.nan,
+        'chi_square_p': float(stats.chisquare(counts).pvalue) if len(identifiable) else math.nan,
         'spearman': float(stats.spearmanr(orders).statistic) if len(orders) > 2 else math.nan,
     }
 
@@ -149,12 +149,12 @@ def print_tables(lines: Iterable[Row]) -> None:
         if name in groups and not name.startswith(('paths', 'healthy', 'what if', SPEEDS))
     ]
     print_table(
-        ('width of a race defect', 'machines', 'told', 'in 90 %, told', 'of the twin alone',
-         'in 90 %, all', 'in 50 %, told', 'median error from 0.5 mm', 'Spearman',
-         'ranks in ten bins', 'p of uniform ranks'),
+        ('width of a race defect', 'machines', 'identifiable', 'in 90 %, identifiable',
+         'of the twin alone', 'in 90 %, all', 'in 50 %, identifiable',
+         'median error from 0.5 mm', 'Spearman', 'ranks in ten bins', 'p of uniform ranks'),
         (
-            (name, s['faulty'], s['told'], f'{s["within_90"]:.2f}', f'{s["within_90_own"]:.2f}',
-             f'{s["within_90_all"]:.2f}', f'{s["within_50"]:.2f}',
+            (name, s['faulty'], s['identifiable'], f'{s["within_90"]:.2f}',
+             f'{s["within_90_own"]:.2f}', f'{s["within_90_all"]:.2f}', f'{s["within_50"]:.2f}',
              f'{100.0 * s["median_error"]:.1f} %', f'{s["spearman"]:.2f}',
              ', '.join(map(str, s['ranks'])), f'{s["chi_square_p"]:.3f}')
             for name in fits for s in (summary(groups[name]),)
@@ -202,7 +202,7 @@ def print_tables(lines: Iterable[Row]) -> None:
     for name in ('HIT-SM', 'CWRU'):
         print()
         print_table(
-            ('record', 'width, mm', 'place', '5 %', '50 %', '95 %', 'told',
+            ('record', 'width, mm', 'place', '5 %', '50 %', '95 %', 'identifiable',
              'distance before, after, dB', 'level after, dB', 'why'),
             (
                 (row['name'], f'{row["width"]:.2f}', row['place'], f'{row["q05"]:.2f}',
@@ -222,7 +222,7 @@ def _by_slot(rows: Iterable[Row], speeds: Sequence[str]) -> Iterator[tuple[str, 
         said = (f'{row["median"]:.2f} ({row["q05"]:.2f} to {row["q95"]:.2f})' for row in of)
         yield (
             f'{of[0]["place"]} {of[0]["width"]:.2f}',
-            *(each if row['identifiable'] else f'not told, {each}'
+            *(each if row['identifiable'] else f'not identifiable, {each}'
               for row, each in zip(of, said, strict=True)),
         )  # fmt: skip
 

@@ -17,7 +17,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.calibration import fit
-from bearing_twin.calibration.answer.healthy import LOSS_DB, shown, smallest_shown
+from bearing_twin.calibration.answer.healthy import LOSS_DB, smallest_detectable_width, would_show
 from bearing_twin.calibration.candidates.cloud import (
     LONGEST_BLOCK,
     parameters,
@@ -279,7 +279,7 @@ def look_at_healthy(number: int) -> list[dict[str, Any]]:
     y = _wavy_twin(machine, rng, 2 * n, number + 1)
     y += 10.0 ** rng.uniform(-1.5, 0.5) * y.std() * rng.standard_normal(len(y))
     y = with_hum(y, rate, rng)
-    limit, confidence = smallest_shown(y[:n], machine, 1.0, 0.0, number)
+    limit, confidence = smallest_detectable_width(y[:n], machine, 1.0, 0.0, number)
     rows: list[dict[str, Any]] = [{'limit': limit, 'confidence': confidence}]
     for at in range(ADDED if math.isfinite(limit) else 0):
         there = replace(machine, place=('inner', 'outer')[at % 2])
@@ -300,7 +300,7 @@ def look_at_healthy(number: int) -> list[dict[str, Any]]:
             {
                 'added': 'trains of impacts' if trains else 'twins',
                 'confidence': confidence,
-                'shown': shown(later, x, rate, there.strikes, there.shaft_hz),
+                'shown': would_show(later, x, rate, there.strikes, there.shaft_hz),
                 'told': said.result == there.place or there.place in said.faults,
                 'healthy': said.result == 'healthy',
             }

@@ -13,7 +13,7 @@ from dataclasses import replace
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.calibration.answer.impacts import follows_speed, gear, impacts_of
+from bearing_twin.calibration.answer.impacts import follows_speed, gear_mesh, impacts_of
 from bearing_twin.calibration.answer.refusals import no_impacts
 from bearing_twin.calibration.candidates.cloud import unknowns, vibrations
 from bearing_twin.calibration.candidates.passage import (
@@ -116,8 +116,8 @@ def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
         whole = correlate(x, rate)
         measured = whole.summary(here.longest)
         impacts = impacts_of(whole, measured, here)
-        turning = no_impacts(x, here) or gear(x, rate, measured)
-        if impacts is not None and turning is None:
+        gear = no_impacts(x, here) or gear_mesh(x, rate, measured)
+        if impacts is not None and gear is None:
             seen.append(impacts)
     groups = [
         (each, *follows_speed(each, [other for other in seen if other is not each]))

@@ -6,7 +6,12 @@ from dataclasses import replace
 import math
 
 from bearing_twin.calibration import fit
-from bearing_twin.calibration.answer.healthy import comb, LOSS_DB, shown, smallest_shown
+from bearing_twin.calibration.answer.healthy import (
+    comb,
+    LOSS_DB,
+    smallest_detectable_width,
+    would_show,
+)
 from bearing_twin.calibration.candidates import cloud
 from bearing_twin.calibration.candidates.cloud import unknowns, vibrations
 from impact_trains import BEARING, RATE
@@ -46,7 +51,7 @@ def test_a_limit_of_a_healthy_record_says_how_sure_it_is():
 def test_wider_defects_than_the_limit_of_a_healthy_record_show(rms):
     """On 80 machines whose loads, depths and losses are drawn anew, as many as it says."""
     machine = cloud.example('none')
-    limit = smallest_shown(rms * NOISE[:25600], machine, 1.0, 0.0, seed=1)
+    limit = smallest_detectable_width(rms * NOISE[:25600], machine, 1.0, 0.0, seed=1)
     outer = replace(machine, place='outer')
     rng = np.random.default_rng(7)
     drawn = {name: about.place(rng.random(80)) for name, about in unknowns(outer).items()}
@@ -55,7 +60,7 @@ def test_wider_defects_than_the_limit_of_a_healthy_record_show(rms):
     defects = np.concatenate(list(vibrations(outer, drawn, 2.0, 3)))
     later = rms * NOISE[25600:51200]
     seen = [
-        shown(later, loss * x, machine.sample_rate, outer.strikes, outer.shaft_hz)
+        would_show(later, loss * x, machine.sample_rate, outer.strikes, outer.shaft_hz)
         for loss, x in zip(losses, defects, strict=True)
     ]
     assert np.mean(seen) > limit.confidence - 2.0 * math.sqrt(0.05 / 80)
@@ -67,7 +72,9 @@ def test_orders_of_the_shaft_near_a_part_do_not_hide_its_defects():
     order = 2.0 * np.pi * 7.0 * machine.shaft_hz * np.arange(25600) / machine.sample_rate
     x = 0.1 * NOISE[:25600]
     swelling = (1.0 + 0.2 * np.cos(order)) * x
-    quiet, swells = (smallest_shown(y, machine, 1.0, 0.0, seed=1) for y in (x, swelling))
+    quiet, swells = (
+        smallest_detectable_width(y, machine, 1.0, 0.0, seed=1) for y in (x, swelling)
+    )
     assert swells.confidence == quiet.confidence
     assert swells.width_mm < 1.5 * quiet.width_mm
 
@@ -77,10 +84,10 @@ def test_lines_where_a_part_strikes_are_not_taken_for_what_a_defect_would_show()
     machine = cloud.example('none')
     strikes = replace(machine, place='outer').strikes
     swelling = np.cos(2.0 * np.pi * strikes * np.arange(25600) / machine.sample_rate)
-    widths = [smallest_shown(0.1 * NOISE[:25600], machine, 1.0, 0.0, seed=1).width_mm]
+    widths = [smallest_detectable_width(0.1 * NOISE[:25600], machine, 1.0, 0.0, seed=1).width_mm]
     for depth, suspect in ((0.1, False), (0.5, True)):
         x = 0.1 * (1.0 + depth * swelling) * NOISE[:25600]
         own = comb(x, machine.sample_rate, strikes)
         assert own.over_floor > own.chance and own.suspect is suspect
-        widths.append(smallest_shown(x, machine, 1.0, 0.0, seed=1).width_mm)
+        widths.append(smallest_detectable_width(x, machine, 1.0, 0.0, seed=1).width_mm)
     assert widths[0] < widths[1] < 0.5 * widths[2]

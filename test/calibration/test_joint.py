@@ -12,7 +12,7 @@ from bearing_twin.calibration.answer.impacts import follows_speed, Impacts, impa
 from bearing_twin.calibration.answer.refusals import Kind
 from bearing_twin.calibration.candidates.cloud import Situation
 from bearing_twin.calibration.candidates.passage import contact_speed
-from bearing_twin.calibration.joint import compared, joined
+from bearing_twin.calibration.joint import common_width, corrected_by_speeds
 from bearing_twin.calibration.measured.summaries import correlate
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
@@ -30,30 +30,30 @@ def test_ringing_at_two_speeds_is_no_width():
         for x, hz in ((impact_train(2e-3, 'outer', 12.0), 12.0), (slow, 10.0))
     ]
     assert both[0].impacts.spacing_s == pytest.approx(apart, rel=0.02)
-    told = {'q05': 1.0, 'median': 2.0, 'q95': 3.0, 'identifiable': True}
+    estimate = {'q05': 1.0, 'median': 2.0, 'q95': 3.0, 'identifiable': True}
     both = [
         replace(found, quantities={'defect_width_mm': replace(
-            found.quantities['defect_width_mm'], **told)})
+            found.quantities['defect_width_mm'], **estimate)})
         for found in both
     ]  # fmt: skip
-    alone = compared(both[1], [])
+    alone = corrected_by_speeds(both[1], [])
     assert alone is both[1]
-    _, width, statement = joined(both)
+    _, width, statement = common_width(both)
     assert not width.identifiable and 'does not follow the speed' in width.why
-    assert 'width not told: a second impact is ringing' in statement
+    assert 'width not identifiable: a second impact is ringing' in statement
     # The other edge may be anywhere: as far away as the next ball.
     assert width.q95 == pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3)
     other = Impacts('outer', 12.0, apart, 1e-4)
-    assert compared(both[1], [other]).refusal is Kind.SAME_AT_ANOTHER_SPEED
+    assert corrected_by_speeds(both[1], [other]).refusal is Kind.SAME_AT_ANOTHER_SPEED
     # A time that follows the speed is a passage, and both records tell one width.
     seen = both[1].impacts
     moved = replace(both[1], impacts=seen._replace(spacing_s=seen.spacing_s * 1.2))
-    found, width, _ = joined([both[0], moved])
+    found, width, _ = common_width([both[0], moved])
     assert width.why == '2 of 2 records tell it' and len(found) == 2
     # No record alone says that it is wider than that.
-    assert width.q05 <= told['q05'] < width.median < width.q95
+    assert width.q05 <= estimate['q05'] < width.median < width.q95
     with pytest.raises(BearingTwinError, match='not of one defect'):
-        joined([both[0], replace(moved, situation=replace(moved.situation, place='inner'))])
+        common_width([both[0], replace(moved, situation=replace(moved.situation, place='inner'))])
 
 
 def test_two_pits_are_no_entry_and_exit():
@@ -63,7 +63,7 @@ def test_two_pits_are_no_entry_and_exit():
             place='outer', candidates=64)
         for hz in (10.0, 14.0)
     ]  # fmt: skip
-    records, width, _ = joined(pits)
+    records, width, _ = common_width(pits)
     assert {each.refusal for each in (*pits, *records)} == {Kind.ALIKE}
     assert not width.identifiable and 'second pit or an echo' in width.why
     assert width.q95 > 2.0
@@ -88,7 +88,7 @@ def test_impacts_as_far_apart_on_the_race_at_two_speeds_are_a_passage():
             'defect_width_mm': replace(found.quantities['defect_width_mm'], identifiable=False)})
         for found in both
     ]  # fmt: skip
-    records, width, statement = joined(doubtful)
+    records, width, statement = common_width(doubtful)
     assert width.identifiable and all(each.refusal is None for each in records)
     assert statement.startswith('outer race defect, ')
     # The edges themselves strike here: the truth is near the lower bound.
@@ -96,7 +96,7 @@ def test_impacts_as_far_apart_on_the_race_at_two_speeds_are_a_passage():
     assert 'and as far at 14.0 Hz: a passage' in records[0].quantities['defect_width_mm'].why
     # Where the part that is named does not strike, no other record makes it.
     silent = replace(doubtful[0], refusal=Kind.NO_IMPACTS)
-    assert compared(silent, [both[1].impacts]) is silent
+    assert corrected_by_speeds(silent, [both[1].impacts]) is silent
 
 
 def test_neither_echoes_nor_gears_are_a_passage():
@@ -105,7 +105,7 @@ def test_neither_echoes_nor_gears_are_a_passage():
         seen_at(impact_train(time * contact_speed(BEARING, 'outer', hz), 'outer', hz), hz)
         for hz in (9.0, 13.0)
     ]
-    assert echoes[0].told_apart(echoes[1]) and not follows_speed(echoes[0], echoes[1:])
+    assert echoes[0].speeds_differ(echoes[1]) and not follows_speed(echoes[0], echoes[1:])
     gears = []
     for hz in (12.0, 18.0):
         # A narrow spot is hidden; a gear of 22 teeth strikes in step with the shaft.
@@ -147,7 +147,7 @@ def test_a_record_that_may_have_a_defect_is_not_made_healthy_by_another():
     )
     assert Calibration.from_dict(suspect.to_dict()).refusal is Kind.NO_PART
     for both in ([healthy, suspect], [suspect, healthy]):
-        assert joined(both)[1:] == (suspect.quantities['defect_width_mm'], suspect.statement)
+        assert common_width(both)[1:] == (suspect.quantities['defect_width_mm'], suspect.statement)
 
 
 def test_files_of_one_machine_at_two_speeds_give_one_width(data_dir, capsys):

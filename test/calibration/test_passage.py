@@ -102,13 +102,13 @@ def test_a_long_simulation_in_blocks_is_the_one_in_a_piece(monkeypatch):
 
 
 @pytest.mark.parametrize('d_pitch', [0.01, 0.02, 0.9, 2.0])
-def test_the_clearances_supposed_are_those_of_a_twin_of_any_size_hot_and_cold(d_pitch):
+def test_the_clearances_assumed_are_those_of_a_twin_of_any_size_hot_and_cold(d_pitch):
     sized = Bearing(
         name='sized', n_balls=8, d_ball=0.2 * d_pitch, d_pitch=d_pitch, contact_angle=0.0
     )
     machine = Situation(bearing=sized, place='outer', shaft_hz=10.0, sample_rate=RATE)
-    supposed = unknowns(machine)['clearance_um']
-    for clearance in (supposed.low, supposed.high):
+    assumed = unknowns(machine)['clearance_um']
+    for clearance in (assumed.low, assumed.high):
         p = TwinParameters(bearing=sized, clearance=1e-6 * clearance, thermal_mode='physical')
         constants, values = constants_of(p), np.empty(CONDITION_SIZE)
         hot = ThermalNetwork().scaled(d_pitch).inner_excess(110.0)

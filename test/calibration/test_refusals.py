@@ -8,13 +8,13 @@ import math
 from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing
 from bearing_twin.calibration import fit
 from bearing_twin.calibration.answer.estimates import of_defect, spacing_shortfall
-from bearing_twin.calibration.answer.impacts import gear
+from bearing_twin.calibration.answer.impacts import gear_mesh
 from bearing_twin.calibration.answer.refusals import half_frequency, Kind, no_impacts, unresolved
 from bearing_twin.calibration.candidates import cloud
 from bearing_twin.calibration.candidates.cloud import Situation
 from bearing_twin.calibration.candidates.passage import widest
-from bearing_twin.calibration.candidates.posterior import limit
-from bearing_twin.calibration.joint import joined
+from bearing_twin.calibration.candidates.posterior import without_spacing
+from bearing_twin.calibration.joint import common_width
 from bearing_twin.calibration.measured.summaries import correlate, summarise
 from impact_trains import BEARING, impact_train, RATE, ring
 import numpy as np
@@ -45,7 +45,7 @@ def test_a_slot_wider_than_is_simulated_is_said_to_be():
     assert 'are 6.0 mm apart' in width.why
     assert width.q95 == pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3)
     # Two records together bound it no closer than each alone.
-    assert joined([found, found])[1].q95 == width.q95
+    assert common_width([found, found])[1].q95 == width.q95
 
 
 @pytest.mark.parametrize(('place', 'shaft_hz'), [('outer', 12.0), ('inner', 13.0)])
@@ -59,7 +59,7 @@ def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     # A part that does not strike says nothing of a width, nor that it is one that is simulated.
     machine = replace(cloud.example(place), shaft_hz=shaft_hz)
     assert width.q95 == pytest.approx(1e3 * machine.speed / machine.strikes)
-    assert joined([found, found])[2] == found.statement
+    assert common_width([found, found])[2] == found.statement
 
 
 @pytest.mark.parametrize(('rate', 'shaft_hz'), [(0.5 * RATE, 12.0), (RATE, 24.0)])
@@ -150,10 +150,10 @@ def test_a_second_impact_that_is_not_heard_is_no_limit_of_the_width():
     assert found.refusal is Kind.ONE_IMPACT and not width.identifiable
     assert (
         found.statement
-        == 'outer race defect, width not told: only one impact per passage is heard'
+        == 'outer race defect, width not identifiable: only one impact per passage is heard'
     )
     assert (width.q05, width.q95) == (0.0, pytest.approx(math.pi * (39.04 + 7.94) / 9, rel=1e-3))
-    assert joined([found, found])[2] == found.statement
+    assert common_width([found, found])[2] == found.statement
     # Between impacts a resonance is found, and its interval is not believed.
     modes = [q for name, q in found.quantities.items() if name.startswith('resonance')]
     assert modes and not any(mode.identifiable for mode in modes)
@@ -188,7 +188,7 @@ def test_the_echo_of_a_gear_in_the_whitening_is_no_passage():
         x[teeth] += mesh
         x = ring(x)
         x += 0.02 * x.std() * rng.standard_normal(len(x))
-        assert (gear(x, RATE, summarise(x, RATE, machine.longest)) is not None) is turns
+        assert (gear_mesh(x, RATE, summarise(x, RATE, machine.longest)) is not None) is turns
     found = fit(x, RATE, BEARING, 24.0, place='outer', candidates=64)
     assert found.refusal is Kind.SEVERAL_SPACINGS and found.impacts is None
     assert 'the teeth of a gear' in found.quantities['defect_width_mm'].why
@@ -212,9 +212,9 @@ def test_a_defect_wider_than_half_way_to_the_next_ball_is_not_told_as_the_rest_o
     place, width
 ):
     found = fit(impact_train(width, place, 12.0), RATE, BEARING, 12.0, place=place, candidates=64)
-    told = found.quantities['defect_width_mm']
-    assert found.refusal is Kind.TOO_WIDE and not told.identifiable
-    assert f'{1e3 * width:.1f} mm apart' in told.why and told.q95 > 1e3 * width
+    estimate = found.quantities['defect_width_mm']
+    assert found.refusal is Kind.TOO_WIDE and not estimate.identifiable
+    assert f'{1e3 * width:.1f} mm apart' in estimate.why and estimate.q95 > 1e3 * width
 
 
 @pytest.mark.parametrize(('width', 'farther'), [(0.3e-3, 0.0), (9e-3, 9e-3)])
@@ -230,9 +230,9 @@ def test_a_limit_allows_for_impacts_beside_an_echo_that_are_no_rest_of_the_way_t
     measured = whole.summary(machine.longest)
     refusal = unresolved(whole, measured, machine)
     assert refusal.longest_spacing * machine.speed == pytest.approx(farther, rel=0.01)
-    left = limit(measured, machine, candidates=32)
-    told = of_defect(left, machine, measured, refusal)['defect_width_mm']
-    assert 1e3 * width < told.q95 < 1e3 * width + 4.0
+    left = without_spacing(measured, machine, candidates=32)
+    estimate = of_defect(left, machine, measured, refusal)['defect_width_mm']
+    assert 1e3 * width < estimate.q95 < 1e3 * width + 4.0
 
 
 def test_candidates_that_rebound_leave_the_width_of_the_bare_passage_possible():
@@ -242,11 +242,11 @@ def test_candidates_that_rebound_leave_the_width_of_the_bare_passage_possible():
     x[200:25000:143] += 1.0
     x[220:25020:143] -= 0.7
     measured = summarise(x, machine.sample_rate, machine.longest)
-    left = limit(measured, machine, candidates=32)
+    left = without_spacing(measured, machine, candidates=32)
     narrow = np.full(len(left.weights), 1.0)
     left = replace(left, values=left.values | {'defect_width_mm': narrow})
-    told = of_defect(left, machine, measured, None)['defect_width_mm']
+    estimate = of_defect(left, machine, measured, None)['defect_width_mm']
     apart, half = (1e3 * seconds * machine.speed for seconds in (measured.spacing, measured.lobe))
-    assert apart > 1.5 and told.median == pytest.approx(1.0)
-    assert told.q95 == pytest.approx(apart + 1e3 * spacing_shortfall(machine, 0.5))
-    assert told.q05 <= apart - half
+    assert apart > 1.5 and estimate.median == pytest.approx(1.0)
+    assert estimate.q95 == pytest.approx(apart + 1e3 * spacing_shortfall(machine, 0.5))
+    assert estimate.q05 <= apart - half

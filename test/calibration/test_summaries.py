@@ -126,5 +126,5 @@ def test_noise_shows_no_spacing():
     seen = 0
     for seed in range(20):
         x = np.random.default_rng(seed).standard_normal(51200)
-        seen += summarise(x, RATE, 5e-3).seen
+        seen += summarise(x, RATE, 5e-3).shows_two_impacts
     assert seen <= 1

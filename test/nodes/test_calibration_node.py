@@ -11,10 +11,10 @@ import signal
 import time
 
 from bearing_twin.assets.calibration.core import CalibrationCore
-from bearing_twin.assets.calibration.task import Fit, Task, work
+from bearing_twin.assets.calibration.task import Fit, fit_record, Task
 from bearing_twin.assets.parameters.calibration import SPECS
 from bearing_twin.bearing import fault_frequencies, find_bearing
-from bearing_twin.calibration import Calibration as Fitted
+from bearing_twin.calibration import Calibration as FitResult
 from bearing_twin.calibration import fit
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.vibration_input import VibrationBlock
@@ -182,7 +182,7 @@ def test_a_turn_of_a_fast_sensor_has_no_image_of_what_lies_above_its_band():
         temperature=40.0, unit='m/s^2', place='none', load=None, candidates=64, others=(),
         reference=None, healthy=False, repairs=0, stamp=0, frame_id='', first_sample=0,
     )  # fmt: skip
-    measured = work(task).turns[0]
+    measured = fit_record(task).turns[0]
     assert len(measured) == 2048
     # Half of the white noise is left; the tone had the power 50.
     assert measured.std() == pytest.approx(math.sqrt(0.5), rel=0.15)
@@ -229,9 +229,9 @@ def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(
     [task] = take(core, range(40, 60))
     said = core.conclude(task, done(outer), 2.4)
     assert said.width_q95 == outer['quantities']['defect_width_mm']['q95']
-    assert core.stale(2.4) == ''
+    assert core.stale_reason(2.4) == ''
     core.verdict(verdict(59, OK))
-    assert core.stale(2.4) == (
+    assert core.stale_reason(2.4) == (
         'the diagnosis finds no defect, and the last calibration has a defect of the outer'
     )
     # A fit of a second is followed by two of rest, not by a period.
@@ -241,7 +241,7 @@ def test_a_repaired_machine_is_fitted_at_once_and_its_old_impacts_are_forgotten(
     said = core.conclude(task, done(healthy), 4.6)
     # What no defect is wider than is no width of one.
     assert math.isnan(said.width_q95)
-    assert core.stale(4.6) == ''
+    assert core.stale_reason(4.6) == ''
     # A minute of health is another bearing; a fit that was begun before it is of the old one.
     old = replace(task, repairs=0)
     assert old.healthy
@@ -273,18 +273,20 @@ def test_after_a_fit_that_failed_a_fault_is_fitted_within_a_period(healthy):
 def test_a_calibration_is_stale_when_the_machine_has_changed_or_it_is_old(healthy):
     core = CalibrationCore(VALUES | {'window': 2.0, 'period': 40.0})
     [task] = take(core, range(50))
-    assert core.stale(2.0) == ''
+    assert core.stale_reason(2.0) == ''
     core.conclude(task, done(healthy), 2.0)
     take(core, range(50, 150))
-    assert core.stale(6.0) == ''
+    assert core.stale_reason(6.0) == ''
     for n in range(150, 260):
         core.take(replace(block(n), samples=2.0 * block(n).samples), temperature=40.0,
                   shaft_hz=math.nan, now=n * 0.04)  # fmt: skip
-    assert core.stale(10.4).startswith('the vibration is +6.1 dB over that of the record that was')
+    assert core.stale_reason(10.4).startswith(
+        'the vibration is +6.1 dB over that of the record that was'
+    )
     # At another speed another vibration is none of another machine.
     take(core, range(260, 370), shaft_hz=27.0)
-    assert core.stale(15.0) == ''
-    assert core.stale(123.0) == 'it is 121 s old'
+    assert core.stale_reason(15.0) == ''
+    assert core.stale_reason(123.0) == 'it is 121 s old'
 
 
 def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy):
@@ -330,7 +332,7 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
         message = minute(number, np.array([0.0, 20.0]))
     assert message.residual_alarm and message.residual_where == 'order 1'
     assert message.residual_over == pytest.approx(20.0, abs=2.0)
-    assert Fitted.from_dict(json.loads(message.json)).defect == 'none'
+    assert FitResult.from_dict(json.loads(message.json)).defect == 'none'
     assert list(message.quantity) == list(found['quantities'])
     with pytest.raises(BearingTwinError):
         resumed.load(b'nothing')
@@ -387,7 +389,7 @@ def test_a_second_thermometer_or_sensor_of_a_fitted_machine_is_told(here):
     node = here(CalibrationNode, shaft_hz=25.0)
     node.trigger_configure()
     node._on_vibration(Vibration(sample_rate=RATE, y=[0.0] * 1024), {'publisher_gid': 'v'})
-    assert node.status().values['temperature'] == 'none received, 30 degC are supposed'
+    assert node.status().values['temperature'] == 'none received, 30 degC are assumed'
     node._inputs.take_temperature(Temperature(temperature=40.0), {'publisher_gid': 'a'})
     assert node.status().values['temperature'] == '40.0 degC'
     assert node.status().message.startswith('no calibration yet: 0.0 s of vibration of the 6 s')
@@ -437,7 +439,7 @@ def test_whatever_ends_a_fit_is_told_and_the_next_one_begins(here, capfd):
     begin(time.sleep)
     os.kill(node._worker._process.pid, signal.SIGKILL)
     end('not fitted: its process was killed')
-    begin(work)
+    begin(fit_record)
     end('no defect')
 
 
@@ -469,7 +471,7 @@ def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, pro
         :, [i for i, b in enumerate(said.band) if b in ('508 Hz', '1016 Hz', '2032 Hz')]
     ]
     assert np.abs(both[0] - both[1]).max() < 3.0
-    assert Fitted.from_dict(json.loads(said.json)).situation.place == 'outer'
+    assert FitResult.from_dict(json.loads(said.json)).situation.place == 'outer'
     # The fit runs beside: no block is lost, and the twin counts those that it gave up.
     check_complete(states, blocks)
     assert verdicts

@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 
-from bearing_twin.assets.calibration.fitted import read_fitted
+from bearing_twin.assets.calibration.fitted import read_fitted_model
 from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.assets.twin import Twin
 from bearing_twin.bearing import find_bearing
@@ -83,7 +83,7 @@ def test_a_running_twin_takes_a_calibration_without_a_jump(machine, calibration)
     twin, other = Twin(VALUES), Twin(VALUES)
     before = run(twin, 50)
     run(other, 50)
-    twin.take(read_fitted(calibration))
+    twin.take(read_fitted_model(calibration))
     changing = run(twin, 1)
     after = run(twin, 60)
     # No step larger than those of the signal itself, at the seams and within.
@@ -96,15 +96,17 @@ def test_a_running_twin_takes_a_calibration_without_a_jump(machine, calibration)
     assert here.shaft_angle == there.shaft_angle
     # It passes for the machine, in its unit, and says so; as it was it did not.
     levels = band_levels(machine, RATE)
-    alike = twin.sensor.likeness()
+    similarity = twin.sensor.similarity()
     assert twin.unit == 'g'
-    assert alike.distance == pytest.approx(distance(band_levels(after[-51200:], RATE), levels))
-    assert alike.distance < 1.5 and abs(alike.level) < 1.0
+    assert similarity.distance == pytest.approx(
+        distance(band_levels(after[-51200:], RATE), levels)
+    )
+    assert similarity.distance < 1.5 and abs(similarity.level) < 1.0
     assert distance(band_levels(before, RATE), levels) > 6.0
     # Given up, it is the twin of its parameters again.
     twin.take(None)
     run(twin, 60)
-    assert twin.unit == 'm/s^2' and twin.fitted is None
+    assert twin.unit == 'm/s^2' and twin.fitted_model is None
     assert twin.simulator.parameters == other.simulator.parameters
     now, then = run(twin, 25), run(other, 85)[-25 * 1024 :]
     assert now.std() == pytest.approx(then.std(), rel=0.1)
@@ -113,7 +115,7 @@ def test_a_running_twin_takes_a_calibration_without_a_jump(machine, calibration)
 def test_a_state_saved_in_between_goes_on_to_the_byte(calibration):
     twin = Twin(VALUES)
     run(twin, 3)
-    twin.take(read_fitted(calibration))
+    twin.take(read_fitted_model(calibration))
     for _ in range(3):
         again = Twin(VALUES)
         again.load(twin.save())
@@ -121,7 +123,7 @@ def test_a_state_saved_in_between_goes_on_to_the_byte(calibration):
         assert again.unit == twin.unit == 'g'
     bare = Twin(VALUES).save()
     twin.load(bare)
-    assert twin.fitted is None and twin.save() == bare
+    assert twin.fitted_model is None and twin.save() == bare
     with pytest.raises(BearingTwinError, match='truncated or damaged'):
         twin.load(again.save()[:-1])
 
@@ -138,14 +140,14 @@ def test_a_state_saved_in_between_goes_on_to_the_byte(calibration):
 def test_a_calibration_that_is_not_of_this_twin_is_refused(values, change, text, calibration):
     twin = Twin(VALUES | values)
     with pytest.raises(BearingTwinError, match=text):
-        twin.take(read_fitted(json.dumps(json.loads(calibration) | change)))
-    assert twin.fitted is None
+        twin.take(read_fitted_model(json.dumps(json.loads(calibration) | change)))
+    assert twin.fitted_model is None
 
 
 def test_a_reset_goes_back_to_the_start_also_after_a_calibration(calibration):
     twin = Twin(VALUES)
     twin.simulator.advance(1024, 60.0, 20.0)
-    twin.take(read_fitted(calibration))
+    twin.take(read_fitted_model(calibration))
     run(twin, 2)
     assert twin.simulator.parameters.load != Twin(VALUES).simulator.parameters.load
     twin.reset()
@@ -156,7 +158,7 @@ def test_an_unstable_path_is_refused(calibration):
     values = json.loads(calibration)
     values['path']['denominator'] = [1.0, -1.1]
     with pytest.raises(BearingTwinError, match='no stable filter'):
-        read_fitted(json.dumps(values))
+        read_fitted_model(json.dumps(values))
 
 
 @pytest.mark.parametrize(
@@ -177,9 +179,9 @@ def test_absurd_calibrations_are_refused(part, change, calibration):
     values = json.loads(calibration)
     values[part] |= change
     with pytest.raises(BearingTwinError):
-        read_fitted(json.dumps(values))
+        read_fitted_model(json.dumps(values))
     with pytest.raises(BearingTwinError):
-        read_fitted('[' * 200000)
+        read_fitted_model('[' * 200000)
 
 
 def test_a_calibration_that_no_step_resolves_is_refused(calibration):
@@ -187,39 +189,39 @@ def test_a_calibration_that_no_step_resolves_is_refused(calibration):
     values['twin'] |= {'hertz_stiffness': 1e12, 'inner_mass': 0.1}
     twin = Twin(VALUES)
     with pytest.raises(BearingTwinError, match='Hz'):
-        twin.take(read_fitted(json.dumps(values)))
+        twin.take(read_fitted_model(json.dumps(values)))
     run(twin, 2)
 
 
 def test_what_was_asked_for_last_is_what_is_taken(calibration):
-    one = read_fitted(calibration)
+    one = read_fitted_model(calibration)
     twin = Twin(VALUES)
     twin.take(one)
     twin.take(None)
     run(twin, 2)
-    assert twin.fitted is None
+    assert twin.fitted_model is None
     other = json.loads(calibration)
     other['statement'] = 'another'
     twin.take(one)
     run(twin, 2)
-    twin.take(read_fitted(json.dumps(other)))
+    twin.take(read_fitted_model(json.dumps(other)))
     twin.take(one)
     run(twin, 2)
-    assert twin.fitted.statement == one.statement
+    assert twin.fitted_model.statement == one.statement
 
 
 def test_a_fitted_twin_has_its_load_along_the_sensor(calibration):
     loads = []
     for angle in (-0.5 * np.pi, 0.0):
         twin = Twin(VALUES | {'load_angle': angle})
-        twin.take(read_fitted(calibration))
+        twin.take(read_fitted_model(calibration))
         run(twin, 20)
         loads.append(run(twin, 50).std())
     assert loads[1] == pytest.approx(loads[0], rel=0.05)
 
 
 def test_injected_defects_keep_their_place_in_the_load(calibration):
-    fitted = read_fitted(calibration)
+    fitted = read_fitted_model(calibration)
     down, aside = (
         fitted.parameters(
             preset('incipient', bearing='6205', defect='inner+outer+cage', load_angle=angle)

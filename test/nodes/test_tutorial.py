@@ -127,7 +127,7 @@ def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_pat
     fitted = probe.collect(Calibration, '/fan_7/calibration')
     terminals(next(c for c in commands(section(5)) if ' calibration ' in c))
     said = probe.until(lambda: [m for m in fitted if m.defect == 'inner'], 'a calibration')
-    # The pit is passed in one to two samples: no width is told, and it is not above the limit.
+    # The pit is passed in one to two samples: its width is not identifiable, but below the limit.
     width = said[0].quantity.index('defect_width_mm')
     assert not said[0].identifiable[width] and said[0].q95[width] > 0.18
     probe.until(

@@ -10,13 +10,13 @@ import json
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.calibration.fitted import GEOMETRY, Likeness
+from bearing_twin.assets.calibration.fitted import GEOMETRY, Similarity
 from bearing_twin.assets.calibration.record import Record
 from bearing_twin.assets.calibration.task import Task
-from bearing_twin.assets.calibration.verdict import RecordVerdict, Verdicts
+from bearing_twin.assets.calibration.verdict import NewestVerdict, RecordVerdict
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.parameters.diagnosis import build_bearing
-from bearing_twin.calibration import Calibration as Fitted
+from bearing_twin.calibration import Calibration as FitResult
 from bearing_twin.calibration.candidates.passage import load_range
 from bearing_twin.calibration.fit import decimated
 from bearing_twin.calibration.residual import MOVED, ResidualDecision, Residuals
@@ -72,12 +72,12 @@ class CalibrationCore:
         check_bearing(self.bearing)
         load_range(self.bearing, self._load)
         self._record = Record()
-        self._verdicts = Verdicts(self.bearing)
+        self._newest_verdict = NewestVerdict(self.bearing)
         self._next = self._rested = self._decided = self._compared = -math.inf
         self._residuals = Residuals()
         self._reference: dict[str, Any] | None = None
         self._seen: deque[Impacts] = deque(maxlen=MOST_SEEN)
-        self._latest: Fitted | None = None
+        self._latest: FitResult | None = None
         self._concluded = -math.inf
         self._repairs = 0
         # To detect a repair: whether a defect was named, and since when the bearing is healthy.
@@ -88,7 +88,7 @@ class CalibrationCore:
         """What a fit needs besides vibration; '' if nothing is missing."""
 
     @property
-    def filling(self) -> str:
+    def progress(self) -> str:
         """Sentence on the length of the vibration collected so far."""
         record = self._record
         held = record.held / record.sample_rate if record.held else 0.0
@@ -97,7 +97,7 @@ class CalibrationCore:
     def verdict(self, message: Diagnosis) -> None:
         """Take a verdict; it determines the place of the defect, and whether the machine is ok."""
         record = self._record
-        self._verdicts.take(message, record.newest.frame_id if record.held else None)
+        self._newest_verdict.take(message, record.newest.frame_id if record.held else None)
 
     def take(
         self, block: VibrationBlock, *, temperature: float, shaft_hz: float, now: float
@@ -163,7 +163,8 @@ class CalibrationCore:
     def _heard(self) -> RecordVerdict:
         """Return the verdict of the diagnosis on the record."""
         record = self._record
-        return self._verdicts.of(record.newest.frame_id, record.end, record.sample_rate)
+        newest = record.newest
+        return self._newest_verdict.on_record(newest.frame_id, record.end, record.sample_rate)
 
     def _follow_repair(self, heard: RecordVerdict, now: float) -> None:
         """Count a repair when a bearing with a defect has been healthy for ``REPAIRED_S``."""
@@ -196,16 +197,16 @@ class CalibrationCore:
             return 'its sample rate or unit is another one'
         x = x - x.mean()
         level = 20.0 * math.log10(max(float(x.std()), 1e-300) / max(old.rms, 1e-300))
-        alike = Likeness(distance(band_levels(x, rate), old.spectrum), level)
+        similarity = Similarity(distance(band_levels(x, rate), old.spectrum), level)
         # The fit itself refuses values that are not finite.
-        if not alike.far or math.isnan(level):
+        if not similarity.dissimilar or math.isnan(level):
             return ''
         return (
             f'the vibration is {signed(level)} dB over that of the record that was '
-            f'fitted, at a log-spectral distance of {alike.distance:.1f} dB'
+            f'fitted, at a log-spectral distance of {similarity.distance:.1f} dB'
         )
 
-    def stale(self, now: float) -> str:
+    def stale_reason(self, now: float) -> str:
         """Return why the newest calibration is stale; '' if it is not, or there is none."""
         old, heard = self._latest, self._heard()
         if old is None:
@@ -228,7 +229,7 @@ class CalibrationCore:
         cost = float(done.found['cost_s'])
         self._rested = now + cost * (1.0 / SHARE - 1.0)
         self._next = max(self._next, self._rested)
-        self._latest, self._concluded = Fitted.from_dict(done.found), now
+        self._latest, self._concluded = FitResult.from_dict(done.found), now
         self._compared, self._changed = -math.inf, ''
         if self._latest.impacts is not None and task.repairs == self._repairs:
             self._seen.append(self._latest.impacts)
@@ -349,7 +350,7 @@ class CalibrationCore:
             raise BearingTwinError(msg)
         reference = values.get('reference')
         if reference is not None:
-            Fitted.from_dict(reference)
+            FitResult.from_dict(reference)
         self._residuals = Residuals.of(values.get('residuals'), arrays)
         self._reference, self._repairs = reference, int(values.get('repairs', 0))
         self._damaged = bool(values.get('damaged', False))

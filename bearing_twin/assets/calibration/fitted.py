@@ -37,11 +37,11 @@ COMPARED_S = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fitted:
+class FittedModel:
     """Parameters, sensor path and reference levels that a twin takes from a calibration."""
 
     text: str
-    """JSON text that :func:`read_fitted` reads."""
+    """JSON text that :func:`read_fitted_model` reads."""
     statement: str
     geometry: tuple[float, ...]
     defects: tuple[Defect, ...]
@@ -122,7 +122,7 @@ class Fitted:
             raise BearingTwinError(msg)
 
 
-def read_fitted(text: str) -> Fitted:
+def read_fitted_model(text: str) -> FittedModel:
     """Return the calibration in the output of ``bearing-twin fit --json``."""
     try:
         values = json.loads(text)
@@ -148,7 +148,7 @@ def read_fitted(text: str) -> Fitted:
             raise ValueError(msg)
         # Both texts are published: refuse text that cannot be encoded as UTF-8.
         (kept['statement'] + unit).encode()
-        fitted = Fitted(
+        fitted = FittedModel(
             text=json.dumps(kept),
             statement=kept['statement'],
             geometry=tuple(float(machine['bearing'][name]) for name in GEOMETRY),
@@ -171,7 +171,7 @@ def read_fitted(text: str) -> Fitted:
     return fitted
 
 
-class Likeness(NamedTuple):
+class Similarity(NamedTuple):
     """Similarity of the vibration of a twin and of its machine."""
 
     distance: float
@@ -180,7 +180,7 @@ class Likeness(NamedTuple):
     """Level of the twin relative to the machine, dB."""
 
     @property
-    def far(self) -> bool:
+    def dissimilar(self) -> bool:
         """Whether the twin does not resemble its machine."""
         return not (self.distance <= FARTHEST and abs(self.level) <= LOUDEST)
 
@@ -188,8 +188,8 @@ class Likeness(NamedTuple):
 class Sensor:
     """The sensor of the machine on a twin: filters both axes with the fitted sensor path."""
 
-    def __init__(self, fitted: Fitted) -> None:
-        self.fitted = fitted
+    def __init__(self, fitted: FittedModel) -> None:
+        self.fitted_model = fitted
         self._axes = fitted.path.filter(), fitted.path.filter()
         self._newest: deque[NDArray[np.float32]] = deque()
 
@@ -200,19 +200,20 @@ class Sensor:
             for axis, samples in zip(self._axes, (block.x, block.y), strict=True)
         )
         self._newest.append(y)
-        most = COMPARED_S * self.fitted.path.sample_rate
+        most = COMPARED_S * self.fitted_model.path.sample_rate
         while sum(map(len, self._newest)) - len(self._newest[0]) >= most:
             self._newest.popleft()
         return replace(block, x=x, y=y)
 
-    def likeness(self) -> Likeness | None:
+    def similarity(self) -> Similarity | None:
         """Compare the newest vibration with the machine; return None until there is enough."""
         y = np.concatenate(self._newest) if self._newest else np.zeros(0)
-        if len(y) < COMPARED_S * self.fitted.path.sample_rate:
+        machine, rate = self.fitted_model, self.fitted_model.path.sample_rate
+        if len(y) < COMPARED_S * rate:
             return None
-        apart = distance(band_levels(y, self.fitted.path.sample_rate), self.fitted.levels)
-        level = 20.0 * math.log10(max(float(y.std()), 1e-300) / max(self.fitted.rms, 1e-300))
-        return Likeness(apart, level)
+        apart = distance(band_levels(y, rate), machine.levels)
+        level = 20.0 * math.log10(max(float(y.std()), 1e-300) / max(machine.rms, 1e-300))
+        return Similarity(apart, level)
 
     def save(self) -> bytes:
         """Return the state of the filters."""

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.fit import decimated, fitted_vibration
-from bearing_twin.calibration.joint import compared
+from bearing_twin.calibration.joint import corrected_by_speeds
 from bearing_twin.calibration.residual import spectral_levels
 from bearing_twin.dynamics.equations.sensor_path import band_levels
 import numpy as np
@@ -73,14 +73,14 @@ class Fit:
     """One revolution of machine and fitted twin, shape (2, n)."""
 
 
-def work(task: Task) -> Fit:
+def fit_record(task: Task) -> Fit:
     """Fit a record and compute spectra of machine and twin; runs in a separate process."""
     found = fit(
         task.samples, task.sample_rate, task.bearing, task.shaft_hz, load=task.load,
         temperature=task.temperature, unit=task.unit, place=task.place,
         candidates=task.candidates,
     )  # fmt: skip
-    found = compared(found, task.others)
+    found = corrected_by_speeds(found, task.others)
     reference = Calibration.from_dict(task.reference) if task.reference else found
     here = reference.at(shaft_hz=task.shaft_hz)
     if math.isfinite(task.temperature):
@@ -93,14 +93,14 @@ def work(task: Task) -> Fit:
     )
     own = dict(zip(names, levels, strict=True))
     twin = np.array([own.get(band, math.nan) for band in bands])
-    spectrum, turns = beside(found, task.samples, task.sample_rate)
+    spectrum, turns = comparison(found, task.samples, task.sample_rate)
     return Fit(
         found=found.to_dict(), bands=bands, measured=measured, twin=twin, spectrum=spectrum,
         turns=turns,
     )  # fmt: skip
 
 
-def beside(
+def comparison(
     found: Calibration, samples: NDArray[np.float64], sample_rate: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return `band_levels` of the twin, dB, and a revolution of machine and twin, (2, m)."""

@@ -39,7 +39,7 @@ class RecordVerdict(NamedTuple):
         return self.place == 'none'
 
 
-class Verdicts:
+class NewestVerdict:
     """
     The newest verdict of the diagnosis of one bearing.
 
@@ -56,7 +56,7 @@ class Verdicts:
 
     def take(self, message: Diagnosis, frame_id: str | None) -> None:
         """Take a verdict. Verdicts on another bearing or sensor are ignored."""
-        if not self._is_alike(message):
+        if not self._is_of_bearing(message):
             self._other = (
                 f'the diagnosis is of bearing {message.bearing}, not {self._bearing.name}'
             )
@@ -67,7 +67,7 @@ class Verdicts:
         else:
             self._newest = message
 
-    def _is_alike(self, message: Diagnosis) -> bool:
+    def _is_of_bearing(self, message: Diagnosis) -> bool:
         """Return whether a verdict belongs to this bearing, by its fault orders."""
         if not message.ftf > 0.0:
             # The shaft stands still or its speed is unknown: compare the names.
@@ -78,7 +78,7 @@ class Verdicts:
             for hertz, order in ((message.bpfo, own.bpfo), (message.bpfi, own.bpfi))
         )
 
-    def of(self, frame_id: str, end: int, sample_rate: float) -> RecordVerdict:
+    def on_record(self, frame_id: str, end: int, sample_rate: float) -> RecordVerdict:
         """Return the verdict on a record of a sensor that ends before sample ``end``."""
         said = self._newest
         if said is None:

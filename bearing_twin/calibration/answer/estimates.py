@@ -12,7 +12,7 @@ from bearing_twin.calibration.answer.healthy import (
     CONFIDENCES,
     LOUDER_DB,
     SLIPPED,
-    smallest_shown,
+    smallest_detectable_width,
     SPEED_ERROR,
 )
 from bearing_twin.calibration.answer.refusals import Kind, Refusal
@@ -72,7 +72,7 @@ def of_path(
             q05=0.1 * path.gain, median=path.gain, q95=10.0 * path.gain,
             unit=f'{unit} per m/s^2', identifiable=False,
             why='only its product with the strength of the impacts is seen; a factor of 10 is '
-            'supposed',
+            'assumed',
         ),
         'noise_floor': Estimate(
             q05=low, median=middle, q95=high, unit=f'{unit}/sqrt(Hz)',
@@ -104,11 +104,11 @@ def of_defect(
     --------
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
-    >>> from bearing_twin.calibration.candidates.posterior import limit
+    >>> from bearing_twin.calibration.candidates.posterior import without_spacing
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest)
-    >>> left = limit(measured, machine, candidates=32)
+    >>> left = without_spacing(measured, machine, candidates=32)
     >>> hidden = Refusal(Kind.HIDDEN, 'ringing hides it')
     >>> width = of_defect(left, machine, measured, hidden)['defect_width_mm']
     >>> width.identifiable, width.q05, width.why[-16:]
@@ -173,7 +173,7 @@ def of_slip(situation: Situation, *, heard: bool) -> Estimate:
         low, high = situation.slip - SPEED_ERROR, situation.slip + SPEED_ERROR
         why = (
             'from the line of the part, which an error of the shaft speed moves too: '
-            f'{100.0 * SPEED_ERROR:g} % of it are supposed'
+            f'{100.0 * SPEED_ERROR:g} % of it are assumed'
         )
     return Estimate(q05=low, median=situation.slip, q95=high, unit='', identifiable=False, why=why)
 
@@ -259,7 +259,9 @@ def without_defect(
             return width, f'no width: {refusal.why}'
         return width, f'{situation.place} defect, at most {highest:.1f} mm wide'
     known = math.isfinite(acceleration_factor(unit))
-    largest, confidence = smallest_shown(x, situation, scale, 0.0 if known else LOUDER_DB, seed)
+    largest, confidence = smallest_detectable_width(
+        x, situation, scale, 0.0 if known else LOUDER_DB, seed
+    )
     statement = f'no defect above {largest:.2g} mm'
     if confidence < CONFIDENCES[0]:
         statement += f', with a confidence of {100.0 * confidence:.0f} %'
@@ -277,12 +279,12 @@ def without_defect(
         )
     if not known:
         why += '; the unit is not known: give it. A machine up to 20 dB louder than the twin is '
-        why += 'supposed'
+        why += 'assumed'
     width = Estimate(q05=0.0, median=0.0, q95=largest, unit='mm', identifiable=False, why=why)
     return width, statement
 
 
-def supposed(
+def assumed_quantities(
     values: dict[str, FloatArray], weights: FloatArray, situation: Situation
 ) -> dict[str, Estimate]:
     """
@@ -296,7 +298,7 @@ def supposed(
     >>> machine = example('none')
     >>> share = np.linspace(0.0, 1.0, 101)
     >>> values = {name: about.place(share) for name, about in unknowns(machine).items()}
-    >>> load = supposed(values, np.full(101, 1 / 101), machine)['load']
+    >>> load = assumed_quantities(values, np.full(101, 1 / 101), machine)['load']
     >>> load.identifiable, load.unit
     (False, 'N')
 

@@ -140,7 +140,7 @@ def _on_order(power: FloatArray, step: float, shaft_hz: float) -> npt.NDArray[np
     return np.asarray(away <= SPEED_ERROR * hertz + LOBE * step)
 
 
-def shown(
+def would_show(
     x: FloatArray, added: FloatArray, sample_rate: float, frequency: float, shaft_hz: float
 ) -> bool:
     """
@@ -151,7 +151,7 @@ def shown(
     >>> x = np.random.default_rng(1).standard_normal(25600)
     >>> impacts = np.zeros(25600)
     >>> impacts[::400] = 6.0
-    >>> [shown(x, share * impacts, 25600.0, 64.0, 18.0) for share in (1.0, 0.1)]
+    >>> [would_show(x, share * impacts, 25600.0, 64.0, 18.0) for share in (1.0, 0.1)]
     [True, False]
 
     """
@@ -281,7 +281,7 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
     return highest / own if highest > by_chance else 0.0
 
 
-class Shown(NamedTuple):
+class DetectableWidth(NamedTuple):
     """The smallest defect that a record would have shown."""
 
     width_mm: float
@@ -290,9 +290,9 @@ class Shown(NamedTuple):
     """Share of the wider defects that show; if the width is NaN, that of the widest eighth."""
 
 
-def smallest_shown(
+def smallest_detectable_width(
     measured: FloatArray, situation: Situation, factor: float, louder_db: float, seed: int
-) -> Shown:
+) -> DetectableWidth:
     """
     Return the width above which race defects would have shown, and the share that shows.
 
@@ -305,8 +305,8 @@ def smallest_shown(
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example('none')
     >>> quiet = 0.01 * np.random.default_rng(1).standard_normal(12800)
-    >>> smallest_shown(quiet, machine, 1.0, 0.0, 0)
-    Shown(width_mm=0.1, confidence=0.95)
+    >>> smallest_detectable_width(quiet, machine, 1.0, 0.0, 0)
+    DetectableWidth(width_mm=0.1, confidence=0.95)
 
     """
     rng = np.random.default_rng([seed, 2])
@@ -345,6 +345,6 @@ def smallest_shown(
         limits = np.maximum(limits, widths)
         widest_seen = min(widest_seen, float(seen[-_NEAR:].mean()))
     if np.isnan(limits).all():
-        return Shown(math.nan, widest_seen)
-    told = int(np.argmax(np.isfinite(limits)))
-    return Shown(float(limits[told]), CONFIDENCES[told])
+        return DetectableWidth(math.nan, widest_seen)
+    first = int(np.argmax(np.isfinite(limits)))
+    return DetectableWidth(float(limits[first]), CONFIDENCES[first])

@@ -83,17 +83,17 @@ class Impacts(NamedTuple):
         """Shaft turns between the impacts."""
         return self.spacing_s * self.shaft_hz
 
-    def located(self, other: Impacts) -> float:
+    def ratio_uncertainty(self, other: Impacts) -> float:
         """Return the uncertainty of the ratio of both spacings, as a logarithm."""
         return LOCATED * math.hypot(self.lobe_s / self.spacing_s, other.lobe_s / other.spacing_s)
 
-    def told_apart(self, other: Impacts) -> bool:
+    def speeds_differ(self, other: Impacts) -> bool:
         """Whether the speeds differ enough to distinguish ringing from a passage."""
         faster = abs(math.log(self.shaft_hz / other.shaft_hz))
-        return self.place == other.place and faster > APART * self.located(other)
+        return self.place == other.place and faster > APART * self.ratio_uncertainty(other)
 
 
-def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None:
+def gear_mesh(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None:
     """
     Return a refusal if the time between two impacts is the tooth period of a gear, else None.
 
@@ -110,14 +110,14 @@ def gear(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal | None
     >>> x[entry] += 1.0
     >>> x[entry + 20] -= 0.7
     >>> measured = summarise(x, 12800.0, 4e-3)
-    >>> gear(x, 12800.0, measured) is None
+    >>> gear_mesh(x, 12800.0, measured) is None
     True
     >>> x[::20] += 0.3
-    >>> gear(x, 12800.0, measured).why[:38]
+    >>> gear_mesh(x, 12800.0, measured).why[:38]
     'the vibration repeats each 1.56 ms all'
 
     """
-    if not measured.seen:
+    if not measured.shows_two_impacts:
         return None
     # The speed drifts within a record: a line may be narrow only in the spectra of its parts.
     if max(_gear_lines(x, sample_rate, measured, parts) for parts in (1, _PARTS)) < _GEAR_LINES:
@@ -177,10 +177,10 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
     (1.56, 0.039)
 
     """
-    if not measured.seen:
+    if not measured.shows_two_impacts:
         return None
     far = whole.summary(2.0 * ELSEWHERE * situation.longest)
-    times = (far.spacing, *far.rivals) if far.seen else measured.rivals
+    times = (far.spacing, *far.rivals) if far.shows_two_impacts else measured.rivals
     # Times up to the entry of the next ball, counted from the exit, may be rivals.
     next_ball = (1.0 / situation.strikes - measured.spacing) / ELSEWHERE
 
@@ -231,7 +231,7 @@ def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ..
     Return the records at other speeds that show the same passage; empty if it is not proved.
 
     It is proved if the angle between the impacts is the same in most records at speeds that differ
-    enough (`Impacts.told_apart`), and no record has a clear repetition at the time of another's
+    enough (`Impacts.speeds_differ`), and no record has a clear repetition at the time of another's
     passage. If impacts repeat after twice the angle too, or after a second angle in both records,
     they are from a rotating part: a gear or a fan.
 
@@ -248,14 +248,14 @@ def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ..
     0
 
     """
-    far = [other for other in others if seen.told_apart(other)]
+    far = [other for other in others if seen.speeds_differ(other)]
     alike = tuple(other for other in far if _passage(seen, other))
     return alike if 2 * len(alike) > len(far) else ()
 
 
 def _passage(one: Impacts, two: Impacts) -> bool:
     """Whether two records at speeds far apart show one passage and no other explanation."""
-    within = one.located(two)
+    within = one.ratio_uncertainty(two)
     if abs(math.log(one.turn / two.turn)) > within:
         return False
     times = (

@@ -50,7 +50,7 @@ PERIODS = 2.0
 
 
 class Kind(str, Enum):
-    """Why no width is told."""
+    """Why the width is not identifiable."""
 
     NO_PART = 'no_part'
     """The diagnosis finds a fault but names no part."""
@@ -78,13 +78,13 @@ class Kind(str, Enum):
     """Another record shows the same time between impacts at another speed."""
 
     @property
-    def unseen(self) -> bool:
+    def defect_unknown(self) -> bool:
         """Whether nothing is known of the defect; its twin is simulated without one."""
         return self in (Kind.NO_IMPACTS, Kind.NOT_FITTED)
 
 
 class Refusal(NamedTuple):
-    """Reason why a width is not told."""
+    """Reason why a width is not identifiable."""
 
     kind: Kind
     why: str
@@ -171,7 +171,11 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
         clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
         if clear and farther.spacing > situation.longest:
             apart = apart or farther.spacing
-    if not apart and measured.seen and measured.spacing >= posterior.resolved(measured):
+    if (
+        not apart
+        and measured.shows_two_impacts
+        and measured.spacing >= posterior.resolved(measured)
+    ):
         # Intervals of balls vary: two impacts of one ball repeat more clearly than those of two.
         own, reach = measured.spacing, measured.lobe
         next_ball = whole.highest(1.0 / situation.strikes, SLIPPED / situation.strikes)[0]
@@ -204,7 +208,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
 
     """
     shortest = posterior.resolved(measured)
-    if not measured.seen:
+    if not measured.shows_two_impacts:
         return Refusal(
             Kind.ONE_IMPACT,
             'only one impact per passage is heard: of a narrow defect, or of one whose other edge '
@@ -322,7 +326,7 @@ def width_not_determined(left: Posterior, situation: Situation, fastest: float) 
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest)
-    >>> left = posterior.limit(measured, machine, candidates=32)
+    >>> left = posterior.without_spacing(measured, machine, candidates=32)
     >>> width_not_determined(left, machine, 10.0).kind.value
     'short_passage'
 

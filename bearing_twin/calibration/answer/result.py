@@ -70,7 +70,7 @@ def in_words(place: str, width: Estimate, refusal: Kind | None = None) -> str:
         between = f'{width.q05:.2f} to {width.q95:.2f}'
         return f'{place} race defect, {width.median:.2f} mm wide ({between})'
     if refusal in UNBOUNDED_REASONS:
-        return f'{place} race defect, width not told: {UNBOUNDED_REASONS[refusal]}'
+        return f'{place} race defect, width not identifiable: {UNBOUNDED_REASONS[refusal]}'
     return f'{place} race defect, at most {width.q95:.2f} mm wide'
 
 
@@ -84,7 +84,7 @@ class Calibration:
     statement: str
     """Place and width of the defect, or its absence, in words."""
     refusal: Kind | None
-    """Why no width is told; None if one is told, or the bearing is healthy."""
+    """Why the width is not identifiable; None if it is, or the bearing is healthy."""
     path: SensorPath
     distance_before: float
     """Log-spectral distance of an unfitted twin from the machine, dB."""
@@ -122,8 +122,8 @@ class Calibration:
     @property
     def twin_situation(self) -> Situation:
         """Situation of the twin: without the defect if the record shows no impact of it."""
-        unseen = self.refusal is not None and self.refusal.unseen
-        return replace(self.situation, place='none') if unseen else self.situation
+        defect_unknown = self.refusal is not None and self.refusal.defect_unknown
+        return replace(self.situation, place='none') if defect_unknown else self.situation
 
     def typical(self) -> dict[str, float]:
         """Return the weighted median of each unknown of the candidates."""
@@ -266,14 +266,14 @@ def _text(of: dict[str, Any], name: str) -> str:
 
 
 def _estimate(of: dict[str, Any]) -> Estimate:
-    told = Estimate(**of)
+    estimate = Estimate(**of)
     low, high = _number(of, 'q05'), _number(of, 'q95')
     _number(of, 'median', low, high)
-    if not isinstance(told.identifiable, bool):
-        raise ValueError(f'identifiable is {told.identifiable!r:.40}, not true or false')
+    if not isinstance(estimate.identifiable, bool):
+        raise ValueError(f'identifiable is {estimate.identifiable!r:.40}, not true or false')
     _text(of, 'unit')
     _text(of, 'why')
-    return told
+    return estimate
 
 
 def _impacts(of: dict[str, Any], situation: Situation) -> Impacts:

@@ -38,7 +38,7 @@ RESOLVED = 8.0
 """Shortest spacing that is distinguished from ringing or rebound of one impact, over the half
 width of an impact after whitening. Set on one rig only, CWRU: its faults of 0.2 to 0.5 mm leave a
 second impact 5 to 6 half widths after the first, at a time that does not follow the speed."""
-SUPPOSED = 64
+PRIOR_DRAWS = 64
 """Candidates drawn from the prior if the vibration tells nothing."""
 LIKE = 0.4
 """Share of the possible candidates that :func:`limit` keeps."""
@@ -79,7 +79,7 @@ class Posterior:
         """Quantiles of a quantity, shape of ``at``."""
         return weighted_quantile(self.values[name], self.weights, at)
 
-    def or_else(self, other: Posterior) -> Posterior:
+    def mixed_with(self, other: Posterior) -> Posterior:
         """Return the mixture of this posterior and another with equal weights."""
         return replace(
             self,
@@ -129,7 +129,7 @@ def features(summaries: list[Summary], situation: Situation) -> FloatArray:
     rows = [
         (
             s.spacing / unit,
-            math.log(s.prominence) if s.seen else math.nan,
+            math.log(s.prominence) if s.shows_two_impacts else math.nan,
             math.log(s.lobe * situation.sample_rate),
             s.impulsiveness,
             min(s.rival, 1.0),
@@ -186,10 +186,10 @@ def sample(
     more, summaries = _round(situation, truncated, candidates, seed + 1)
     rows = np.concatenate([rows[inside], features(summaries, situation)])
     values = {name: np.concatenate([drawn[name][inside], more[name]]) for name in prior}
-    return keep(values, rows, goal, prior)
+    return nearest_candidates(values, rows, goal, prior)
 
 
-def limit(
+def without_spacing(
     measured: Summary, situation: Situation, *, candidates: int = 384, seed: int = 0
 ) -> Posterior:
     """
@@ -205,7 +205,7 @@ def limit(
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> left = limit(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
+    >>> left = without_spacing(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
     >>> bool(left.quantiles('defect_width_mm', (0.95,))[0] > 1.0)
     True
 
@@ -213,7 +213,7 @@ def limit(
     prior = unknowns(situation)
     drawn, summaries = _round(situation, prior, candidates, seed)
     longest = longest_unresolved_spacing(measured)
-    kept = np.array([not s.seen or s.spacing <= longest for s in summaries])
+    kept = np.array([not s.shows_two_impacts or s.spacing <= longest for s in summaries])
     if not kept.any():
         kept[:] = True
     # Weight them by how well the sharpness and impulsiveness of their impacts match.
@@ -223,9 +223,9 @@ def limit(
     distance = np.sqrt((difference**2).sum(axis=1))
     reach = 1.0001 * max(float(np.quantile(distance, LIKE)), 1e-9)
     weights = np.maximum(1.0 - (distance / reach) ** 2, 0.0)
-    if measured.seen:
+    if measured.shows_two_impacts:
         # The peak is either a spacing, or ringing and no spacing is seen: both are equally likely.
-        spaced = np.array([s.seen for s in summaries])[kept]
+        spaced = np.array([s.shows_two_impacts for s in summaries])[kept]
         for group in (spaced, ~spaced):
             if weights[group].any():
                 weights[group] /= weights[group].sum()
@@ -235,7 +235,7 @@ def limit(
     return Posterior(values=values, weights=weights, prior=prior, distance=reach, typical=reach)
 
 
-def supposed(situation: Situation, seed: int) -> Posterior:
+def from_prior(situation: Situation, seed: int) -> Posterior:
     """
     Draw from the prior, for a vibration that tells nothing about a defect.
 
@@ -243,14 +243,14 @@ def supposed(situation: Situation, seed: int) -> Posterior:
     --------
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
-    >>> len(supposed(machine, 0).values['load'])
+    >>> len(from_prior(machine, 0).values['load'])
     64
 
     """
     prior = unknowns(situation)
     return Posterior(
-        values=_drawn(prior, SUPPOSED, seed),
-        weights=np.full(SUPPOSED, 1.0 / SUPPOSED),
+        values=_drawn(prior, PRIOR_DRAWS, seed),
+        weights=np.full(PRIOR_DRAWS, 1.0 / PRIOR_DRAWS),
         prior=prior,
         distance=math.nan,
         typical=math.nan,
@@ -285,7 +285,7 @@ def longest_unresolved_spacing(measured: Summary) -> float:
     True
 
     """
-    seen = (measured.spacing, *measured.rivals) if measured.seen else ()
+    seen = (measured.spacing, *measured.rivals) if measured.shows_two_impacts else ()
     return max(resolved(measured), *seen, 0.0)
 
 
@@ -302,7 +302,7 @@ def _drawn(prior: dict[str, Unknown], candidates: int, seed: int) -> dict[str, F
     return {name: about.place(shares[:, i]) for i, (name, about) in enumerate(prior.items())}
 
 
-def keep(
+def nearest_candidates(
     values: dict[str, FloatArray], rows: FloatArray, goal: FloatArray, prior: dict[str, Unknown]
 ) -> Posterior:
     """
@@ -327,7 +327,7 @@ def keep(
     >>> rows = np.zeros((500, 5))
     >>> rows[:, 0] = 10.0 * width + rng.standard_normal(500)
     >>> goal = np.array([20.0, 0.0, 0.0, 0.0, 0.0])
-    >>> left = keep({'w': width}, rows, goal, {'w': Unknown(0.0, 4.0, 'mm')})
+    >>> left = nearest_candidates({'w': width}, rows, goal, {'w': Unknown(0.0, 4.0, 'mm')})
     >>> bool(abs(left.quantiles('w')[1] - 2.0) < 0.1)
     True
 

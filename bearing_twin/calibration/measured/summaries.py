@@ -126,7 +126,7 @@ class Summary:
     """Standard deviation of the autocorrelation where it has no peak."""
 
     @property
-    def seen(self) -> bool:
+    def shows_two_impacts(self) -> bool:
         """Whether a passage shows two impacts."""
         return math.isfinite(self.spacing)
 

@@ -111,12 +111,12 @@ def _words(message: Any) -> str:
         f'distance {message.distance_before:.1f} -> {message.distance:.1f} dB; '
         + _residual(message),
         '',
-        '| quantity | 5 % | median | 95 % | | told | why |',
+        '| quantity | 5 % | median | 95 % | | identifiable | why |',
         '|---|---|---|---|---|---|---|',
         *(
-            f'| {name} | {low:.4g} | {mid:.4g} | {high:.4g} | {unit} | {"yes" if told else "no"} '
-            f'| {why} |'
-            for name, low, mid, high, unit, told, why in rows
+            f'| {name} | {low:.4g} | {mid:.4g} | {high:.4g} | {unit} '
+            f'| {"yes" if identifiable else "no"} | {why} |'
+            for name, low, mid, high, unit, identifiable, why in rows
         ),
     ]
     return '\n'.join(lines)
