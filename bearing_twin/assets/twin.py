@@ -144,7 +144,7 @@ class Twin(TwinChannel):
         """Unit of the vibration."""
         return ACCELERATION if self.fitted_model is None else self.fitted_model.unit
 
-    def warm(self) -> None:
+    def warm_up(self) -> None:
         """Compile the functions for a block beforehand, as the first block has a deadline."""
         v = self.values
         self.simulator.advance(v['block_size'], v['start_temperature'], v['shaft_hz'])

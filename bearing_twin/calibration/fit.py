@@ -244,7 +244,7 @@ def _fitted(
     named: bool,
 ) -> Calibration:
     whole = correlate(x, situation.sample_rate)
-    measured = whole.summary(situation.longest)
+    measured = whole.summary(situation.longest_spacing)
     modes = resonances(x, situation.sample_rate)
     defective = situation.place in ('inner', 'outer')
     seen = None

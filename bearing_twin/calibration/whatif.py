@@ -182,7 +182,7 @@ def expect(
     for batch in vibrations(situation, values, seconds, seed):
         for x in batch:
             y = found.path.filter(seed + len(rows)).apply(x)[int(settle * rate) :]
-            rows.append(features(y, rate, situation.longest))
+            rows.append(features(y, rate, situation.longest_spacing))
             if len(verdicts) < DIAGNOSED:
                 said = diagnose_record(y, rate, situation.bearing, situation.shaft_hz)
                 verdicts.append(said.result)
@@ -235,7 +235,7 @@ def _gains(
     skipped = int(settle * situation.sample_rate)
     levels = [
         found.path.filter(seed).apply(x)[skipped:].std()
-        for batch in vibrations(situation, values, IMPACTS / situation.strikes + settle, seed)
+        for batch in vibrations(situation, values, IMPACTS / situation.impact_rate + settle, seed)
         for x in batch
     ]
     return found.rms / np.array(levels)

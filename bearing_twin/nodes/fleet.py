@@ -155,7 +155,9 @@ class FleetNode(ManagedNode):
         fields = self._cycle.fields(due)
         for index, (member, each) in enumerate(zip(self._twins, inputs, strict=True)):
             assert member.twin is not None
-            member.twin.warm(TwinBlock(self._fleet.of_bearing(block, index), *each), due, fields)
+            member.twin.warm_up(
+                TwinBlock(self._fleet.of_bearing(block, index), *each), due, fields
+            )
         self._fleet.load(start)
 
     def _build_fleet(self) -> Fleet | None:

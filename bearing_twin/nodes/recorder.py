@@ -146,7 +146,7 @@ class RecorderNode(ManagedNode):
             waited = time.time_ns() - info['received_timestamp']
             self._longest_wait = max(self._longest_wait, waited)
         if not type_name.startswith(ABOUT_NODES):
-            self._numbers.see(
+            self._numbers.count(
                 topic, info.get('publisher_gid'), info['publication_sequence_number']
             )
         received = self._log_time(topic, info)
@@ -206,7 +206,7 @@ class RecorderNode(ManagedNode):
             return
         # The writer may have flushed by itself, if the timer was late: report its problem.
         self._tell_problem()
-        self._watch.see(topic, type_name, cdr, received)
+        self._watch.take(topic, type_name, cdr, received)
 
     def _offered(self, topic: str) -> str:
         try:

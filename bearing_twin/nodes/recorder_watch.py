@@ -94,7 +94,7 @@ class RecordingWatch:
         """Messages that live Rerun viewers missed because one of them was too slow."""
         return self._rerun.dropped if self._rerun is not None else 0
 
-    def see(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
+    def take(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
         """Evaluate one message; ``received`` is its log time, ns."""
         interesting = type_name in (CHECKPOINT, DIAGNOSIS)
         if not interesting and self._rerun is None:

@@ -57,7 +57,7 @@ class TwinNode(ManagedNode):
 
     def prepare(self) -> None:
         """Compile the numerical functions."""
-        Twin(self.parameters.values).warm()
+        Twin(self.parameters.values).warm_up()
 
     def setup(self) -> None:
         """Build and warm the twin; create publishers, subscriptions, services and statuses."""
@@ -65,7 +65,7 @@ class TwinNode(ManagedNode):
         self._twin = Twin(
             p.values, node=self.get_fully_qualified_name(), clock=receiver_clock(self)
         )
-        self._twin.warm()
+        self._twin.warm_up()
         self.get_logger().info(
             f'preset {p["preset"]} ({PRESETS[p["preset"]]}): '
             f'{trend_sentence(build_parameters(p.values), p["shaft_hz"])}'

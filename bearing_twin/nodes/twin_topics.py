@@ -90,7 +90,7 @@ class TwinTopics:
         if checkpoint is not None:
             self._checkpoint.publish(checkpoint)
 
-    def warm(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
+    def warm_up(self, made: TwinBlock, due: Due, fields: Mapping[str, float]) -> None:
         """Serialise a block without publishing it, as the first published one has a deadline."""
         self.bytes.vibration(made, due, self._twin.values)
         self.bytes.state(made, due, self._twin.values, fields)

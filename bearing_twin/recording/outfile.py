@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from bearing_twin.disksync import DiskSync
     from bearing_twin.recording.mcap.schema import MessageSchema
-    from bearing_twin.recording.sink import Attached, Written
+    from bearing_twin.recording.sink import Attachment, MessageToStore
     from mcap.data_stream import RecordBuilder
 
 
@@ -169,12 +169,12 @@ class OutputFile:
         """Bytes written, including those that wait for the disk."""
         return self._spool.tell()
 
-    def knows(self, message: Written) -> bool:
+    def knows(self, message: MessageToStore) -> bool:
         """Return whether the message has a channel, or a number is left for a new channel."""
         described = len(self._channels)
         return described < MOST_CHANNELS or (message.topic, message.schema) in self._channels
 
-    def write(self, message: Written) -> None:
+    def write(self, message: MessageToStore) -> None:
         """Add a message for which :meth:`knows` returned True; see RecordingWriter.write."""
         self._writer.repeat()
         topic, log_time = message.topic, message.log_time
@@ -193,7 +193,7 @@ class OutputFile:
         self.count += 1
         about.count += 1
 
-    def attach(self, attached: Attached) -> None:
+    def attach(self, attached: Attachment) -> None:
         """Add an attachment or a metadata record."""
         if attached.values:
             self._writer.add_metadata(attached.name, attached.values)
@@ -259,7 +259,7 @@ class OutputFile:
             topics=[channel.about for channel in self._channels.values()],
         )
 
-    def _described(self, message: Written) -> _Channel:
+    def _described(self, message: MessageToStore) -> _Channel:
         """Return the channel of a message; write its description to the file if it is new."""
         topic, schema, writer = message.topic, message.schema, self._writer
         known = self._channels.get((topic, schema))

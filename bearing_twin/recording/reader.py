@@ -203,21 +203,21 @@ def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
 
 
 @dataclass(frozen=True)
-class Witness:
+class ReadCallbacks:
     """Callbacks for the messages and the damage of a recording while it is read."""
 
-    see: Callable[[RecordedMessage], object]
+    on_message: Callable[[RecordedMessage], object]
     """Called with each message."""
-    hear: Callable[[str], object]
+    on_damage: Callable[[str], object]
     """Called with the name of the file and the error, for each damaged part."""
 
 
-def recording_info(path: Path, witness: Witness | None = None) -> RecordingInfo:
+def recording_info(path: Path, callbacks: ReadCallbacks | None = None) -> RecordingInfo:
     """
     Return the contents of a recording, from its summary if it has one.
 
     An unfinished file is read from front to back. In a bag folder, a file that is not an MCAP file
-    is listed among the problems. With a ``witness`` every file is read completely.
+    is listed among the problems. With ``callbacks`` every file is read completely.
 
     Raises
     ------
@@ -236,16 +236,18 @@ def recording_info(path: Path, witness: Witness | None = None) -> RecordingInfo:
             info.files.remove(file_path)
             info.finished = False
             info.problems.append(str(error))
-            if witness is not None:
-                witness.hear(str(error))
+            if callbacks is not None:
+                callbacks.on_damage(str(error))
             continue
         with file:
             info.metadata_size = 0
-            _look_into(file, file_path, info, witness)
+            _look_into(file, file_path, info, callbacks)
     return info
 
 
-def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness | None) -> None:
+def _look_into(
+    file: BinaryIO, path: Path, info: RecordingInfo, callbacks: ReadCallbacks | None
+) -> None:
     size = path.stat().st_size
     info.size += size
     try:
@@ -255,12 +257,12 @@ def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness
         info.finished &= not isinstance(error, UnfinishedRecording)
         info.problems.append(f'{path.name}: {error}')
         told = False
-    if told and witness is None:
+    if told and callbacks is None:
         return
 
     def damaged(error: BrokenRecording) -> None:
-        if witness is not None:
-            witness.hear(f'{path.name}: {error}')
+        if callbacks is not None:
+            callbacks.on_damage(f'{path.name}: {error}')
 
     messages = in_file_order(
         file, size, Selection(), damaged, extra=None if told else _extras(file, info)
@@ -271,8 +273,8 @@ def _look_into(file: BinaryIO, path: Path, info: RecordingInfo, witness: Witness
             _read_header(file, size, info)
         messages = _counted(messages, info)
     for message in messages:
-        if witness is not None:
-            witness.see(message)
+        if callbacks is not None:
+            callbacks.on_message(message)
         del message
 
 

@@ -25,13 +25,13 @@ START = 1_577_836_800 * NANO
 """Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""
 
 
-def undated(start: int) -> bool:
+def is_undated(start: int) -> bool:
     """
     Return whether a recording that begins at ``start`` (ns) is undated: times count from START.
 
     Examples
     --------
-    >>> undated(START), undated(START + 3600 * NANO)
+    >>> is_undated(START), is_undated(START + 3600 * NANO)
     (True, False)
 
     """

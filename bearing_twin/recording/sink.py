@@ -21,7 +21,7 @@ OVERHEAD = 250
 """Bytes of memory that a message takes in addition to its content."""
 
 
-class Written(NamedTuple):
+class MessageToStore(NamedTuple):
     """One message to store; times in ns."""
 
     topic: str
@@ -39,7 +39,7 @@ class Written(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Attached:
+class Attachment:
     """An attachment (``data``) or a metadata record (``values``)."""
 
     name: str
@@ -97,7 +97,7 @@ class MessageSink(ABC):
         if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
             msg = f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns'
             raise BearingTwinError(msg)
-        self.take(Written(topic, type_name, cdr, log_time, publish_time, qos, schema))
+        self.take(MessageToStore(topic, type_name, cdr, log_time, publish_time, qos, schema))
 
     def copy(self, message: RecordedMessage) -> None:
         """Store a message from a recording unchanged; raises as :meth:`write`."""
@@ -113,19 +113,19 @@ class MessageSink(ABC):
         )
 
     @abstractmethod
-    def take(self, message: Written) -> None:
+    def take(self, message: MessageToStore) -> None:
         """Store one checked message."""
 
     def attach(self, name: str, data: bytes, media_type: str) -> None:
         """Attach a small file to every file of the recording."""
-        self.add(Attached(name, media_type=media_type, data=data))
+        self.add(Attachment(name, media_type=media_type, data=data))
 
     def metadata(self, name: str, values: dict[str, str]) -> None:
         """Add named texts to every file of the recording."""
-        self.add(Attached(name, values=values))
+        self.add(Attachment(name, values=values))
 
     @abstractmethod
-    def add(self, attached: Attached) -> None:
+    def add(self, attached: Attachment) -> None:
         """Add an attachment or a metadata record."""
 
     @abstractmethod

@@ -8,7 +8,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.sink import Attached, MessageSink, Written
+from bearing_twin.recording.sink import Attachment, MessageSink, MessageToStore
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import NANO
 
@@ -52,10 +52,10 @@ class SnapshotWriter(MessageSink):
         self._before = round(before * NANO)
         self._after = round(after * NANO)
         self._memory = memory
-        self._kept: deque[Written] = deque()
+        self._kept: deque[MessageToStore] = deque()
         self._kept_bytes = 0
         self._writer: RecordingWriter | None = None
-        self._attached: list[Attached] = []
+        self._attached: list[Attachment] = []
         self._until = -1
 
     @property
@@ -88,7 +88,7 @@ class SnapshotWriter(MessageSink):
         """Bytes of the recording so far."""
         return self._writer.size if self._writer else 0
 
-    def take(self, message: Written) -> None:
+    def take(self, message: MessageToStore) -> None:
         """Write one message or keep it in memory; callers use :meth:`write`, which checks it."""
         if self._writer is not None and message.log_time <= self._until:
             self._writer.take(message)
@@ -114,7 +114,7 @@ class SnapshotWriter(MessageSink):
         self._kept_bytes = 0
         self._writer.flush()
 
-    def add(self, attached: Attached) -> None:
+    def add(self, attached: Attachment) -> None:
         """Add an attachment or a metadata record to every file."""
         self._attached.append(attached)
         if self._writer is not None:

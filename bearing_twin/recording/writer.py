@@ -15,7 +15,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
 from bearing_twin.recording.outfile import OutputFile
-from bearing_twin.recording.sink import Attached, MessageSink, Written
+from bearing_twin.recording.sink import Attachment, MessageSink, MessageToStore
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
@@ -95,9 +95,9 @@ class RecordingWriter(MessageSink):
         self.removed = 0
         """Messages lost with files that were removed during the recording."""
         self._check_options()
-        self._waiting: deque[Written] = deque()
+        self._waiting: deque[MessageToStore] = deque()
         self._waiting_bytes = 0
-        self._attached: list[Attached] = []
+        self._attached: list[Attachment] = []
         self._finished: list[BagFile] = []
         # Messages and bytes of earlier files, which metadata.yaml no longer lists.
         self._earlier_count = self._earlier_size = 0
@@ -141,7 +141,7 @@ class RecordingWriter(MessageSink):
         unfinished = self._ending if self._closed else (*self._ending, self._file)
         return finished + sum(file.size for file in unfinished)
 
-    def take(self, message: Written) -> None:
+    def take(self, message: MessageToStore) -> None:
         """
         Write one checked message; callers use :meth:`write`, which checks it.
 
@@ -165,7 +165,7 @@ class RecordingWriter(MessageSink):
         if time.monotonic() - self._flushed >= self.options.flush_period:
             self.flush()
 
-    def add(self, attached: Attached) -> None:
+    def add(self, attached: Attachment) -> None:
         """Add an attachment or a metadata record to this file and all later ones."""
         self._attached.append(attached)
         self._file.attach(attached)
@@ -303,7 +303,7 @@ class RecordingWriter(MessageSink):
         self.removed += count
         self.written -= count
 
-    def _put(self, message: Written) -> None:
+    def _put(self, message: MessageToStore) -> None:
         numbered = self._file.knows(message)
         if not (numbered or self.bag):
             msg = (
@@ -344,7 +344,7 @@ class RecordingWriter(MessageSink):
     def _finish(self) -> None:
         """Write the end of the current file to its spool."""
         name, values = metadata_record([self._file.summary()])
-        self._file.attach(Attached(name, values=values))
+        self._file.attach(Attachment(name, values=values))
         self._file.end()
         self._ending.append(self._file)
 

@@ -62,7 +62,7 @@ class MessageNumbers:
     --------
     >>> numbers = MessageNumbers()
     >>> for number in (3, 4, 6):
-    ...     numbers.see('/vibration', {'data': b'publisher'}, number)
+    ...     numbers.count('/vibration', {'data': b'publisher'}, number)
     >>> numbers.sent_before['/vibration'], numbers.skipped
     (2, 1)
 
@@ -76,7 +76,7 @@ class MessageNumbers:
         # By topic and publisher; the pair that has been silent longest comes first.
         self._heard: dict[tuple[str, object], int] = {}
 
-    def see(self, topic: str, source: Any, number: int | None) -> None:
+    def count(self, topic: str, source: Any, number: int | None) -> None:
         """
         Count a message.
 

@@ -175,7 +175,7 @@ def fit_impacts(number: int, kind: str) -> list[dict[str, Any]]:
     bearing, place = situation.bearing, situation.place
     width = float(rng.uniform(0.2e-3, widest(bearing)))
     if kind == 'wide':
-        width = float(rng.uniform(0.55, 0.93)) * situation.speed / situation.strikes
+        width = float(rng.uniform(0.55, 0.93)) * situation.speed / situation.impact_rate
     low, high = load_range(bearing)
     sinking = interference(bearing, low * (high / low) ** rng.random()) if kind == 'path' else 0.0
     apart = impact_spacing(width, sinking, path_curvature(bearing, place)) / situation.speed
@@ -202,7 +202,7 @@ def train(
     shares: Sequence[float], seconds: float = SECONDS,
 ) -> NDArray[np.float64]:  # fmt: skip
     """Return one impact per passage, and others ``apart_s`` after it; ``shares``: all heights."""
-    rate, strikes = machine.sample_rate, machine.strikes
+    rate, strikes = machine.sample_rate, machine.impact_rate
     count = int(1.2 * strikes * seconds) + 2
     entries = np.cumsum(1.0 + 0.005 * rng.standard_normal(count)) / strikes
     heights = 1.0 + 0.3 * rng.standard_normal(count)
@@ -300,7 +300,7 @@ def look_at_healthy(number: int) -> list[dict[str, Any]]:
             {
                 'added': 'trains of impacts' if trains else 'twins',
                 'confidence': confidence,
-                'shown': would_show(later, x, rate, there.strikes, there.shaft_hz),
+                'shown': would_show(later, x, rate, there.impact_rate, there.shaft_hz),
                 'told': said.result == there.place or there.place in said.faults,
                 'healthy': said.result == 'healthy',
             }
@@ -362,7 +362,7 @@ def _predicted(
 ) -> list[dict[str, Any]]:
     """Predict a machine at another speed, and measure its record ``x`` there."""
     expected = expect(found, shaft_hz=shaft_hz, candidates=32)
-    longest = found.situation.longest * found.situation.shaft_hz / shaft_hz
+    longest = found.situation.longest_spacing * found.situation.shaft_hz / shaft_hz
     seen = features(x, rate, longest)
     return [
         {'quantity': name, 'truth': seen[name], 'q05': said.q05, 'median': said.median,

@@ -114,7 +114,7 @@ def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
         # The comparison does not know the slip.
         here = replace(here, slip=0.0)
         whole = correlate(x, rate)
-        measured = whole.summary(here.longest)
+        measured = whole.summary(here.longest_spacing)
         impacts = impacts_of(whole, measured, here)
         gear = no_impacts(x, here) or gear_mesh(x, rate, measured)
         if impacts is not None and gear is None:
@@ -141,7 +141,7 @@ def _soft(
     The load falls over the distance in which the ball is unloaded. At the exit it returns, with an
     impact.
     """
-    rate, strikes = machine.sample_rate, machine.strikes
+    rate, strikes = machine.sample_rate, machine.impact_rate
     curvature = path_curvature(machine.bearing, machine.place)
     ramp = max(1, round(math.sqrt(sinking / curvature) / machine.speed * rate))
     count = int(1.3 * strikes * SECONDS)

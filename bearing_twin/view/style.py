@@ -36,7 +36,7 @@ class State(NamedTuple):
 
 
 # All colours have medium lightness, to be distinct on dark and on light backgrounds.
-def held(top: float, part: float) -> float:
+def labelled_power(top: float, part: float) -> float:
     """
     Return the power of ten that an axis up to ``top`` must include to have a number beside 0.
 
@@ -45,7 +45,7 @@ def held(top: float, part: float) -> float:
 
     Examples
     --------
-    >>> held(85.0, 0.6), held(55.0, 0.6), held(0.0, 0.6)
+    >>> labelled_power(85.0, 0.6), labelled_power(55.0, 0.6), labelled_power(0.0, 0.6)
     (100.0, 0.0, 0.0)
 
     """

@@ -60,7 +60,7 @@ def test_wider_defects_than_the_limit_of_a_healthy_record_show(rms):
     defects = np.concatenate(list(vibrations(outer, drawn, 2.0, 3)))
     later = rms * NOISE[25600:51200]
     seen = [
-        would_show(later, loss * x, machine.sample_rate, outer.strikes, outer.shaft_hz)
+        would_show(later, loss * x, machine.sample_rate, outer.impact_rate, outer.shaft_hz)
         for loss, x in zip(losses, defects, strict=True)
     ]
     assert np.mean(seen) > limit.confidence - 2.0 * math.sqrt(0.05 / 80)
@@ -82,7 +82,7 @@ def test_orders_of_the_shaft_near_a_part_do_not_hide_its_defects():
 def test_lines_where_a_part_strikes_are_not_taken_for_what_a_defect_would_show():
     """A defect then has to be as clear as a suspect, or to be louder than all of the record."""
     machine = cloud.example('none')
-    strikes = replace(machine, place='outer').strikes
+    strikes = replace(machine, place='outer').impact_rate
     swelling = np.cos(2.0 * np.pi * strikes * np.arange(25600) / machine.sample_rate)
     widths = [smallest_detectable_width(0.1 * NOISE[:25600], machine, 1.0, 0.0, seed=1).width_mm]
     for depth, suspect in ((0.1, False), (0.5, True)):

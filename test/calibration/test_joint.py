@@ -73,7 +73,7 @@ def seen_at(x, shaft_hz, place='outer'):
     """Return the two impacts of a passage that a record shows."""
     machine = Situation(bearing=BEARING, place=place, shaft_hz=shaft_hz, sample_rate=RATE)
     whole = correlate(x, RATE)
-    return impacts_of(whole, whole.summary(machine.longest), machine)
+    return impacts_of(whole, whole.summary(machine.longest_spacing), machine)
 
 
 def test_impacts_as_far_apart_on_the_race_at_two_speeds_are_a_passage():
@@ -127,7 +127,7 @@ def test_real_slots_on_the_outer_race_follow_the_speed(name, degrees, data_dir):
         machines.append(Situation(bearing=BEARING, place='outer', shaft_hz=rpm / 60.0,
                                   sample_rate=rate))  # fmt: skip
         whole = correlate(x - x.mean(), rate)
-        seen.append(impacts_of(whole, whole.summary(machines[-1].longest), machines[-1]))
+        seen.append(impacts_of(whole, whole.summary(machines[-1].longest_spacing), machines[-1]))
     assert follows_speed(seen[0], seen[1:]) == (seen[1],)
     apart = seen[0].spacing_s * machines[0].speed
     truth = math.radians(degrees) * 23.5e-3

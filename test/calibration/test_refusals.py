@@ -58,7 +58,7 @@ def test_impacts_of_another_part_or_speed_are_no_width(place, shaft_hz):
     assert found.statement.startswith('no width: no impacts at')
     # A part that does not strike says nothing of a width, nor that it is one that is simulated.
     machine = replace(cloud.example(place), shaft_hz=shaft_hz)
-    assert width.q95 == pytest.approx(1e3 * machine.speed / machine.strikes)
+    assert width.q95 == pytest.approx(1e3 * machine.speed / machine.impact_rate)
     assert common_width([found, found])[2] == found.statement
 
 
@@ -100,7 +100,7 @@ def test_a_part_that_strikes_at_a_multiple_of_the_shaft_is_seen(shaft_hz):
         bearing=find_bearing('6307'), place='outer', shaft_hz=shaft_hz, sample_rate=12800.0
     )
     x = np.random.default_rng(1).standard_normal(38400)
-    times = np.arange(0.0, 3.0, 1.008 / machine.strikes)
+    times = np.arange(0.0, 3.0, 1.008 / machine.impact_rate)
     x[np.round(12800.0 * times).astype(int)] += 12.0
     assert not no_impacts(x, machine)
 
@@ -128,7 +128,7 @@ def test_orders_of_the_shaft_are_no_impacts_of_an_outer_race():
         # A speed that is known to a few thousandths only changes nothing.
         assert no_impacts(swelling(seed, shaft_hz=25.08), machine)
         # A part that strikes between them is seen.
-        rate = machine.strikes
+        rate = machine.impact_rate
         gaps = (1.0 + 0.002 * np.random.default_rng(seed).standard_normal(400)) / rate
         x[np.round(12800.0 * np.cumsum(gaps)).astype(int)] += 8.0
         assert no_impacts(x, machine) is None
@@ -162,16 +162,16 @@ def test_a_second_impact_that_is_not_heard_is_no_limit_of_the_width():
 def test_impacts_that_go_on_after_twice_the_time_are_no_passage():
     """Three impacts at equal distances are the teeth of a gear: no defect is twice as wide."""
     machine = Situation(bearing=BEARING, place='outer', shaft_hz=20.0, sample_rate=RATE)
-    apart = round(0.7 * machine.longest * RATE)
+    apart = round(0.7 * machine.longest_spacing * RATE)
     rng = np.random.default_rng(1)
     for teeth, kind in ((2, None), (3, Kind.SEVERAL_SPACINGS)):
         train = np.zeros(4 * int(RATE))
-        steps = np.cumsum(1.0 + 0.004 * rng.standard_normal(240)) / machine.strikes * RATE
+        steps = np.cumsum(1.0 + 0.004 * rng.standard_normal(240)) / machine.impact_rate * RATE
         for tooth in range(teeth):
             train[np.round(steps).astype(int) + tooth * apart] += 1.0
         x = ring(train)
         whole = correlate(x + 0.02 * x.std() * rng.standard_normal(len(x)), RATE)
-        refusal = unresolved(whole, whole.summary(machine.longest), machine)
+        refusal = unresolved(whole, whole.summary(machine.longest_spacing), machine)
         assert (refusal and refusal.kind) is kind
 
 
@@ -180,7 +180,7 @@ def test_the_echo_of_a_gear_in_the_whitening_is_no_passage():
     rng = np.random.default_rng(2)
     machine = Situation(bearing=BEARING, place='outer', shaft_hz=24.0, sample_rate=RATE)
     train = np.zeros(4 * int(RATE))
-    at = np.cumsum(1.0 + 0.005 * rng.standard_normal(300)) / machine.strikes * RATE
+    at = np.cumsum(1.0 + 0.005 * rng.standard_normal(300)) / machine.impact_rate * RATE
     train[np.round(at).astype(int)] = 1.0
     teeth = np.round(np.arange(0.0, 4.0, 1.0 / (41 * 24.0)) * RATE).astype(int)
     for mesh, turns in ((0.0, False), (0.5, True)):
@@ -188,7 +188,9 @@ def test_the_echo_of_a_gear_in_the_whitening_is_no_passage():
         x[teeth] += mesh
         x = ring(x)
         x += 0.02 * x.std() * rng.standard_normal(len(x))
-        assert (gear_mesh(x, RATE, summarise(x, RATE, machine.longest)) is not None) is turns
+        assert (
+            gear_mesh(x, RATE, summarise(x, RATE, machine.longest_spacing)) is not None
+        ) is turns
     found = fit(x, RATE, BEARING, 24.0, place='outer', candidates=64)
     assert found.refusal is Kind.SEVERAL_SPACINGS and found.impacts is None
     assert 'the teeth of a gear' in found.quantities['defect_width_mm'].why
@@ -227,7 +229,7 @@ def test_a_limit_allows_for_impacts_beside_an_echo_that_are_no_rest_of_the_way_t
     x[late:] += 0.8 * np.diff(x, prepend=x[0])[:-late]
     machine = replace(cloud.example(), shaft_hz=12.0, sample_rate=RATE)
     whole = correlate(x, RATE)
-    measured = whole.summary(machine.longest)
+    measured = whole.summary(machine.longest_spacing)
     refusal = unresolved(whole, measured, machine)
     assert refusal.longest_spacing * machine.speed == pytest.approx(farther, rel=0.01)
     left = without_spacing(measured, machine, candidates=32)
@@ -241,7 +243,7 @@ def test_candidates_that_rebound_leave_the_width_of_the_bare_passage_possible():
     x = 1e-3 * NOISE[:25600]
     x[200:25000:143] += 1.0
     x[220:25020:143] -= 0.7
-    measured = summarise(x, machine.sample_rate, machine.longest)
+    measured = summarise(x, machine.sample_rate, machine.longest_spacing)
     left = without_spacing(measured, machine, candidates=32)
     narrow = np.full(len(left.weights), 1.0)
     left = replace(left, values=left.values | {'defect_width_mm': narrow})

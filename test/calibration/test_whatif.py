@@ -21,7 +21,7 @@ def test_one_speed_predicts_another(slot_fit, data_dir, tmp_path, capsys):
     with np.load(data_dir / 'hitsm' / 'hitsm_sq_IR8_1200.npz') as file:
         x, rate = file['x'].astype(float), float(file['fs'])
     there = found.at(shaft_hz=20.0).situation
-    measured = features(x, rate, there.longest)
+    measured = features(x, rate, there.longest_spacing)
     spacing = expected.vibration['spacing_ms']
     assert spacing.q05 < measured['spacing_ms'] < spacing.q95
     level = expected.vibration['rms']

@@ -234,9 +234,9 @@ def test_publishers_that_come_and_go_take_bounded_memory():
     numbers = MessageNumbers()
     tracemalloc.start()
     for publisher in range(100_000):
-        numbers.see('/alarm', {'data': b'%016d' % publisher}, 2)
+        numbers.count('/alarm', {'data': b'%016d' % publisher}, 2)
         # One that stays.
-        numbers.see('/vibration', {'data': b'stays'}, 1 + 2 * publisher)
+        numbers.count('/vibration', {'data': b'stays'}, 1 + 2 * publisher)
     taken, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert taken < 5e6

@@ -49,7 +49,7 @@ PAGES = {
         'Bearing, 40 x slower, shift x 100',
         'Squared envelope spectrum: modulation index over Hz',
         'Colours',
-        'First harmonic from near [1 over Hz]',
+        'First harmonic, enlarged [1 over Hz]',
         'Verdict over time',
         'Evidence over its limits [1]',
         'Vibration level [m/s²] rms',

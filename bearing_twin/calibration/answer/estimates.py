@@ -107,7 +107,7 @@ def of_defect(
     >>> from bearing_twin.calibration.candidates.posterior import without_spacing
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> measured = summarise(noise, 12800.0, machine.longest)
+    >>> measured = summarise(noise, 12800.0, machine.longest_spacing)
     >>> left = without_spacing(measured, machine, candidates=32)
     >>> hidden = Refusal(Kind.HIDDEN, 'ringing hides it')
     >>> width = of_defect(left, machine, measured, hidden)['defect_width_mm']
@@ -189,7 +189,7 @@ def next_ball(situation: Situation) -> float:
     16.4
 
     """
-    return 1e3 * situation.speed / situation.strikes
+    return 1e3 * situation.speed / situation.impact_rate
 
 
 def spacing_shortfall(situation: Situation, share: float) -> float:

@@ -198,7 +198,7 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
     envelope, rate = squared_envelope(x, situation.sample_rate)
     power = np.abs(fft.rfft(envelope)) ** 2
     hertz = np.arange(len(power)) * rate / len(envelope)
-    apart = hertz / situation.strikes - 1.0
+    apart = hertz / situation.impact_rate - 1.0
     near = np.abs(apart) < SLIPPED
     floor = float(np.median(power[np.abs(apart) < 0.2])) / math.log(2.0)
     return float(power.max(initial=0.0, where=near)) / max(floor, 1e-300)
@@ -233,7 +233,7 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     """
     power, step = _spectrum(x, situation.sample_rate)
     hertz = np.arange(len(power)) * step
-    apart = hertz / situation.strikes - 1.0
+    apart = hertz / situation.impact_rate - 1.0
     floor = float(np.median(power[np.abs(apart) < 0.2])) / math.log(2.0)
     orders = np.round(hertz / situation.shaft_hz)
     on_order = _on_order(power, step, situation.shaft_hz) & (orders > 0)
@@ -270,7 +270,7 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
     """
     power, step = _spectrum(x, situation.sample_rate)
     hertz = np.arange(len(power)) * step
-    near = np.abs(hertz / situation.strikes - 1.0) < SLIPPED
+    near = np.abs(hertz / situation.impact_rate - 1.0) < SLIPPED
     line = float(hertz[np.argmax(np.where(near, power, 0.0))])
     own = float(power.max(initial=0.0, where=near))
     away = np.minimum(*(np.abs(hertz - share * line) for share in (0.5, 1.5)))
@@ -323,7 +323,7 @@ def smallest_detectable_width(
         drawn['defect_width_mm'] = about.place(np.arange(_EACH) / _EACH)
         drawn['noise_ratio'] = np.zeros(_EACH)
         gains = 10.0 ** (-rng.random(_EACH) * (LOSS_DB + louder_db) / 20.0) / factor
-        own, orders_of = _own(background, rate, there.strikes, there.shaft_hz)
+        own, orders_of = _own(background, rate, there.impact_rate, there.shaft_hz)
         candidates = (
             x for batch in vibrations(there, drawn, len(background) / rate, seed) for x in batch
         )
@@ -331,7 +331,7 @@ def smallest_detectable_width(
         for one, (x, gain) in enumerate(zip(candidates, gains, strict=True)):
             added = gain * x
             seen[one] = added.std() > level or _stands_out(
-                comb(background[: len(x)] + added, rate, there.strikes, orders_of), own
+                comb(background[: len(x)] + added, rate, there.impact_rate, orders_of), own
             )
         # If k of n candidates as wide or wider show, the expected share is (k + 1/2) / (n + 1).
         share_seen = (seen[::-1].cumsum()[::-1] + 0.5) / (np.arange(_EACH, 0, -1) + 1.0)

@@ -172,17 +172,17 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
     >>> x[200:25000:143] += 1.0
     >>> x[220:25020:143] -= 0.7
     >>> whole = correlate(x, 12800.0)
-    >>> found = impacts_of(whole, whole.summary(machine.longest), machine)
+    >>> found = impacts_of(whole, whole.summary(machine.longest_spacing), machine)
     >>> round(1e3 * found.spacing_s, 2), round(found.turn, 3)
     (1.56, 0.039)
 
     """
     if not measured.shows_two_impacts:
         return None
-    far = whole.summary(2.0 * ELSEWHERE * situation.longest)
+    far = whole.summary(2.0 * ELSEWHERE * situation.longest_spacing)
     times = (far.spacing, *far.rivals) if far.shows_two_impacts else measured.rivals
     # Times up to the entry of the next ball, counted from the exit, may be rivals.
-    next_ball = (1.0 / situation.strikes - measured.spacing) / ELSEWHERE
+    next_ball = (1.0 / situation.impact_rate - measured.spacing) / ELSEWHERE
 
     def rivals(time: float) -> bool:
         elsewhere = abs(math.log(time / measured.spacing)) > math.log(ELSEWHERE)

@@ -107,9 +107,8 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
     'no impacts at the 89.6 Hz of the outer race '
 
     """
-    said = (
-        f'no impacts at the {situation.strikes:.1f} Hz of the {situation.place} race stand out: '
-    )
+    rate, place = situation.impact_rate, situation.place
+    said = f'no impacts at the {rate:.1f} Hz of the {place} race stand out: '
     if line_over_floor(x, situation) < COMB_OVER_FLOOR:
         return Refusal(Kind.NO_IMPACTS, f'{said}check bearing, speed and place')
     if situation.place == 'outer' and (order := order_of_the_shaft(x, situation)):
@@ -143,7 +142,7 @@ def half_frequency(x: FloatArray, situation: Situation) -> Refusal | None:
         return None
     return Refusal(
         Kind.NO_IMPACTS,
-        f'the impacts repeat at half the {situation.strikes:.1f} Hz of the {situation.place} '
+        f'the impacts repeat at half the {situation.impact_rate:.1f} Hz of the {situation.place} '
         'race: check speed and sample rate',
     )
 
@@ -159,17 +158,17 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     >>> machine = example()
     >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> noise = correlate(np.random.default_rng(1).standard_normal(25600), 12800.0)
-    >>> too_wide(noise, machine, noise.summary(machine.longest)) is None
+    >>> too_wide(noise, machine, noise.summary(machine.longest_spacing)) is None
     True
 
     """
     apart = 0.0
     for share in (0.45, 0.9):
         # Beyond half way, exit and next entry also give a peak, but a less clear one.
-        farther = whole.summary(share / situation.strikes)
+        farther = whole.summary(share / situation.impact_rate)
         # Over longer lags noise alone has peaks more often, but none as clear as this.
         clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
-        if clear and farther.spacing > situation.longest:
+        if clear and farther.spacing > situation.longest_spacing:
             apart = apart or farther.spacing
     if (
         not apart
@@ -178,7 +177,7 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
     ):
         # Intervals of balls vary: two impacts of one ball repeat more clearly than those of two.
         own, reach = measured.spacing, measured.lobe
-        next_ball = whole.highest(1.0 / situation.strikes, SLIPPED / situation.strikes)[0]
+        next_ball = whole.highest(1.0 / situation.impact_rate, SLIPPED / situation.impact_rate)[0]
         over_own = whole.highest(next_ball - own, reach)[1] / whole.highest(own, reach)[1]
         if over_own > NEXT_BALL:
             apart = next_ball - own
@@ -203,7 +202,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
     >>> machine = example()
     >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> noise = correlate(np.random.default_rng(0).standard_normal(25600), 12800.0)
-    >>> unresolved(noise, noise.summary(machine.longest), machine).kind.value
+    >>> unresolved(noise, noise.summary(machine.longest_spacing), machine).kind.value
     'one_impact'
 
     """
@@ -222,7 +221,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
         )
         return with_longest_spacing(refusal, whole, measured, situation)
     # A repetition after twice the time is not a passage but the teeth of a gear.
-    far = whole.summary(2.0 * ELSEWHERE * situation.longest)
+    far = whole.summary(2.0 * ELSEWHERE * situation.longest_spacing)
     twice = 2.0 * measured.spacing
     goes_on = any(abs(time - twice) < measured.lobe for time in (far.spacing, *far.rivals))
     if measured.rival > RIVAL or goes_on:
@@ -253,7 +252,7 @@ def copied(x: FloatArray, situation: Situation, measured: Summary) -> Refusal | 
     >>> x = 1e-3 * np.random.default_rng(1).standard_normal(25600)
     >>> x[200:25000:143] += 1.0
     >>> x[220:25020:143] += 0.7
-    >>> copied(x, machine, summarise(x, 12800.0, machine.longest)).kind.value
+    >>> copied(x, machine, summarise(x, 12800.0, machine.longest_spacing)).kind.value
     'alike'
 
     """
@@ -295,18 +294,18 @@ def with_longest_spacing(
     >>> x[entries + 90] += 0.7
     >>> whole = correlate(x, 12800.0)
     >>> early = Refusal(Kind.HIDDEN, 'they ring')
-    >>> with_longest_spacing(early, whole, whole.summary(machine.longest), machine).why
+    >>> with_longest_spacing(early, whole, whole.summary(machine.longest_spacing), machine).why
     'they ring; others are 10.3 mm apart'
 
     """
-    slipped = SLIPPED / situation.strikes
-    next_ball = whole.highest(1.0 / situation.strikes, slipped)[0]
+    slipped = SLIPPED / situation.impact_rate
+    next_ball = whole.highest(1.0 / situation.impact_rate, slipped)[0]
     far = whole.summary(next_ball - CLEAR * measured.lobe)
     lags, prominences = far.repetitions()
     for lag, prominence in zip(lags[::-1], prominences[::-1], strict=True):
         rest = np.abs(lags - (next_ball - lag)) < max(measured.lobe, slipped)
         least = NEXT_BALL * float(np.max(prominences, initial=0.0, where=rest))
-        if lag > situation.longest and far.significant(prominence) and prominence > least:
+        if lag > situation.longest_spacing and far.significant(prominence) and prominence > least:
             why = f'{refusal.why}; others are {1e3 * lag * situation.speed:.1f} mm apart'
             return refusal._replace(why=why, longest_spacing=float(lag))
     return refusal
@@ -325,7 +324,7 @@ def width_not_determined(left: Posterior, situation: Situation, fastest: float) 
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> measured = summarise(noise, 12800.0, machine.longest)
+    >>> measured = summarise(noise, 12800.0, machine.longest_spacing)
     >>> left = posterior.without_spacing(measured, machine, candidates=32)
     >>> width_not_determined(left, machine, 10.0).kind.value
     'short_passage'

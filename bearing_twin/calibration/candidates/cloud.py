@@ -74,12 +74,12 @@ class Situation:
         return contact_speed(self.bearing, self.place, self.shaft_hz, self.slip)
 
     @property
-    def strikes(self) -> float:
+    def impact_rate(self) -> float:
         """Balls that pass the defect per second."""
         return fault_frequencies(self.bearing, self.shaft_hz, self.slip).impacts(self.place)
 
     @property
-    def longest(self) -> float:
+    def longest_spacing(self) -> float:
         """Longest time between two impacts of a passage, s."""
         return 1.1 * widest(self.bearing) / self.speed
 
@@ -88,7 +88,7 @@ def example(place: str = 'outer') -> Situation:
     """
     Return the machine of the examples: a 6205 at 25 Hz, sampled at 12.8 kHz.
 
-    >>> round(example('outer').strikes, 1)
+    >>> round(example('outer').impact_rate, 1)
     89.6
 
     """
@@ -234,7 +234,7 @@ def vibrations(
 
 def _seconds(situation: Situation) -> float:
     """Return the length of the vibration of each candidate, s."""
-    return max(FEWEST, min(IMPACTS, situation.strikes)) / situation.strikes
+    return max(FEWEST, min(IMPACTS, situation.impact_rate)) / situation.impact_rate
 
 
 def affordable(situation: Situation, candidates: int) -> int:
@@ -268,7 +268,7 @@ def simulate(situation: Situation, values: dict[str, FloatArray], seed: int) -> 
 
     """
     return [
-        summarise(x, situation.sample_rate, situation.longest)
+        summarise(x, situation.sample_rate, situation.longest_spacing)
         for batch in vibrations(situation, values, _seconds(situation), seed)
         for x in batch
     ]

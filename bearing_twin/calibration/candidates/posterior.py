@@ -121,7 +121,7 @@ def features(summaries: list[Summary], situation: Situation) -> FloatArray:
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> features([summarise(noise, 12800.0, machine.longest)], machine).shape
+    >>> features([summarise(noise, 12800.0, machine.longest_spacing)], machine).shape
     (1, 5)
 
     """
@@ -166,7 +166,7 @@ def sample(
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> left = sample(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
+    >>> left = sample(summarise(noise, 12800.0, machine.longest_spacing), machine, candidates=32)
     >>> sorted(left.prior)[:3]
     ['clearance_um', 'contact_damping', 'defect_angle']
 
@@ -205,7 +205,8 @@ def without_spacing(
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> left = without_spacing(summarise(noise, 12800.0, machine.longest), machine, candidates=32)
+    >>> measured = summarise(noise, 12800.0, machine.longest_spacing)
+    >>> left = without_spacing(measured, machine, candidates=32)
     >>> bool(left.quantiles('defect_width_mm', (0.95,))[0] > 1.0)
     True
 

@@ -81,9 +81,9 @@ def find_hidden(logs: Path, environment: Mapping[str, str], say: Callable[[str],
                 newest['followed'] = status.message.partition(';')[0]
 
     with NodeProcesses(logs, environment) as nodes, Watcher() as watcher:
-        watcher.hear(Calibration, '/machine/calibration', on_calibration)
-        watcher.hear(Diagnosis, '/machine/diagnosis', on_verdict)
-        watcher.hear(DiagnosticArray, '/diagnostics', on_health)
+        watcher.listen(Calibration, '/machine/calibration', on_calibration)
+        watcher.listen(Diagnosis, '/machine/diagnosis', on_verdict)
+        watcher.listen(DiagnosticArray, '/diagnostics', on_health)
         there = ('-r', '__ns:=/machine')
         window = {'window': 4.0, 'memory': 4.0, 'update_interval': 1.0}
         nodes.start('diagnosis', speed | window, name='machine_diagnosis', ros=there)

@@ -46,7 +46,7 @@ class Watcher:
     def _on_verdict(self, message: Diagnosis) -> None:
         self._verdict = message
 
-    def hear(self, kind: Any, topic: str, take: Callable[[Any], None]) -> None:
+    def listen(self, kind: Any, topic: str, take: Callable[[Any], None]) -> None:
         """Call ``take`` with each message of a topic of results."""
         self._node.create_subscription(kind, topic, take, RESULT)
 

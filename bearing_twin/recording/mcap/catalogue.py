@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.mcap.chunks import NEW_DESCRIPTION, SpentRecording
+from bearing_twin.recording.mcap.chunks import NEW_DESCRIPTION, ReadLimitExceeded
 from bearing_twin.recording.mcap.mcapfile import BrokenRecording, parse
 from bearing_twin.recording.mcap.salvage import sound_records
 from bearing_twin.recording.mcap.schema import (
@@ -270,7 +270,7 @@ def own_definitions(chunks: Chunks) -> Iterator[Catalogue]:
             for opcode, at, length in chunks.records(data, raw.offset):
                 if opcode in DEFINITIONS:
                     catalogue.learn(opcode, data[at : at + length], raw.offset)
-        except SpentRecording:
+        except ReadLimitExceeded:
             break
         except BrokenRecording:
             # Damage is reported when the messages are read.

@@ -41,7 +41,7 @@ OCTETS = 1024
 """Bytes of a record that cost one more unit of work."""
 
 
-class SpentRecording(BrokenRecording):
+class ReadLimitExceeded(BrokenRecording):
     """The file costs more than its size allows; reading stops here."""
 
 
@@ -67,7 +67,7 @@ class Chunks:
 
         Raises
         ------
-        SpentRecording
+        ReadLimitExceeded
             If the chunks of the file unpack to more than the limit.
         BrokenRecording
             If the chunk is damaged (wrong CRC or size) or larger than ``LARGEST_CHUNK``.
@@ -94,7 +94,7 @@ class Chunks:
 
         Raises
         ------
-        SpentRecording
+        ReadLimitExceeded
             If the chunks of the file hold more records than the limit.
         BrokenRecording
             If the chunk ends inside a record.
@@ -131,9 +131,9 @@ class Chunks:
             self.refuse(offset, 'it has too many records besides messages')
 
     def refuse(self, offset: int, reason: str) -> NoReturn:
-        """Stop reading: raise a SpentRecording."""
+        """Stop reading: raise a ReadLimitExceeded."""
         msg = f'nothing is read from byte {offset} on: {reason}'
-        raise SpentRecording(msg, offset, self.size - offset)
+        raise ReadLimitExceeded(msg, offset, self.size - offset)
 
 
 def _unpack(chunk: Chunk, offset: int, unpacker: zstandard.ZstdDecompressor) -> bytes:

@@ -16,7 +16,7 @@ from bearing_twin.recording.mcap.catalogue import (
     RecordedChannel,
     RecordedMessage,
 )
-from bearing_twin.recording.mcap.chunks import Chunks, SpentRecording
+from bearing_twin.recording.mcap.chunks import Chunks, ReadLimitExceeded
 from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     check_magic,
@@ -219,7 +219,7 @@ def in_file_order(
         except BrokenRecording as error:
             if damaged is None:
                 raise
-            if isinstance(error, SpentRecording):
+            if isinstance(error, ReadLimitExceeded):
                 damaged(error)
                 break
             damaged(BrokenRecording(str(error), raw.offset, raw.end - raw.offset))

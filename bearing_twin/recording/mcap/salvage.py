@@ -10,7 +10,7 @@ import struct
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.recording.finding import diagnose_hint
-from bearing_twin.recording.mcap.chunks import Chunks, SpentRecording
+from bearing_twin.recording.mcap.chunks import Chunks, ReadLimitExceeded
 from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     check_magic,
@@ -137,7 +137,7 @@ def sound_records(
         if isinstance(found, BrokenRecording):
             if damaged is None:
                 raise found
-            if isinstance(found, SpentRecording):
+            if isinstance(found, ReadLimitExceeded):
                 damaged(found)
                 return
             following = search.sound_from(offset)

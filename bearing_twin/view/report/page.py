@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
-from bearing_twin.recording.schedule import undated
+from bearing_twin.recording.schedule import is_undated
 from bearing_twin.stamps import NANO, time_unit
 from bearing_twin.view.report.appendix import appendix
 from bearing_twin.view.report.data import collect
@@ -68,7 +68,7 @@ def report_page(path: Path, source: Path | None = None) -> str:
     begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
     # A bag folder is often just called 'bag': its parent names the run.
     title = f'Bearing report: {"/".join((source or path).resolve().parts[-2:])}'
-    when = '' if undated(info.start) else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '
+    when = '' if is_undated(info.start) else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '
     unit, length = time_unit(info.duration)
     body = [
         f'<h1>{escape(title)}</h1>',

@@ -59,7 +59,7 @@ def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:
         for limit, dashes in ((INDEX_FAULT, (6, 3)), (INDEX_SUSPECT, (1, 2))):
             axes.axhline(limit, color='#b71c1c', linewidth=0.7, dashes=dashes)
     if near is not None:
-        grid[0, 1].set_title('first harmonic from near')
+        grid[0, 1].set_title('first harmonic, enlarged')
         grid[0, 1].xaxis.set_major_locator(MaxNLocator(3))
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import store_from_text
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.schedule import undated
+from bearing_twin.recording.schedule import is_undated
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.pictures.scales import Scales
@@ -91,7 +91,7 @@ def draw_recordings(
         return _draw_foreign(infos[0], rrd, progress)
     names = [''] if len(paths) == 1 else _names(paths)
     begins = [_begin(info) for info in infos]
-    counted = len(paths) > 1 or undated(infos[0].start)
+    counted = len(paths) > 1 or is_undated(infos[0].start)
     problems: dict[str, str] = {}
     with RerunLogger(
         recording_id=' '.join(names).strip() or paths[0].resolve().stem,

@@ -211,7 +211,7 @@ def envelope_views(scene: Scene) -> list[View]:
         whole = _bars('Envelope spectrum: index over Hz' if narrow else name, f'{path}/whole')
         parts = [(6.0, whole), (2.0 if narrow else 1.0, legend)]
         if 'near' in scene.asset.panels and not narrow:
-            parts.append((4.0, _bars('First harmonic from near [1 over Hz]', f'{path}/near')))
+            parts.append((4.0, _bars('First harmonic, enlarged [1 over Hz]', f'{path}/near')))
         shares, shown = zip(*parts, strict=True)
         views.append(rrb.Vertical(*shown, row_shares=shares))
     return views

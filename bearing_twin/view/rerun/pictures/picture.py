@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.view.over_temperature import NUMBERED, OverTemperature
 from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.source import Source
-from bearing_twin.view.style import held, LINE
+from bearing_twin.view.style import labelled_power, LINE
 from bearing_twin.view.trends import Limit, ZERO
 from bearing_twin.view.verdict import Headline, pretty
 import numpy as np
@@ -152,7 +152,7 @@ class Trends:
                 limits = tuple(Limit(f'{t:g} °C', t, look='grid') for t in NUMBERED)
             if panel.from_zero:
                 highest = ABOVE * max(top, *(limit.value for limit in limits), 0.0)
-                end = held(highest, self._low) or highest
+                end = labelled_power(highest, self._low) or highest
                 limits = *limits, ZERO
                 if drawn and end:
                     self._canvas.line(

@@ -14,7 +14,7 @@ from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.pictures.lanes import AGAIN
 from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
-from bearing_twin.view.style import FAMILIES, held, LINE
+from bearing_twin.view.style import FAMILIES, labelled_power, LINE
 from bearing_twin.view.verdict import number
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -107,11 +107,13 @@ class SpectrumBars(Picture):
                     f'whole/{name}', time, np.zeros(1), np.array([limit]), whole.end, ground
                 )
             end = np.array([whole.end + width])
-            self._hold('whole/scale', time, end, held(top, HIGH) or top, width)
+            self._hold('whole/scale', time, end, labelled_power(top, HIGH) or top, width)
         if near is not None:
             self._part('near', time, near, top)
             end, width = np.array([near.end]), MARK_WIDTH * (near.end - near.start)
-            if (least := held(top, LOW)) and self._changed('near/limit', time, end, least, width):
+            if (least := labelled_power(top, LOW)) and self._changed(
+                'near/limit', time, end, least, width
+            ):
                 self._hold('near/scale', time, end, least, width)
             self.asset.panels.add('near')
         elif self._near:

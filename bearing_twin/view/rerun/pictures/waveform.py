@@ -14,7 +14,7 @@ from bearing_twin.view.rerun.pictures.spectrogram import Spectrogram
 from bearing_twin.view.rerun.pictures.waterfall import Waterfall
 from bearing_twin.view.source import Source
 from bearing_twin.view.spectrum import low_high
-from bearing_twin.view.style import held, LINE
+from bearing_twin.view.style import labelled_power, LINE
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import pretty
 import numpy as np
@@ -196,7 +196,7 @@ class Waveform(Picture):
         # In eighths: the view may show less than a piece, or more.
         edges = np.arange(0, samples.size, max(1, samples.size // 8))
         peaks = np.maximum.reduceat(np.abs(samples), edges)
-        ends = np.array([held(float(peak), LARGE) for peak in peaks])
+        ends = np.array([labelled_power(float(peak), LARGE) for peak in peaks])
         if ends.any():
             self.canvas.line(
                 f'{name}/scale', _times(edges[ends > 0.0], piece),
