@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 from bearing_twin.diagnosis import warming as diagnosis
 from bearing_twin.dynamics import warming as dynamics
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.numerics.compiled import cache_folder, has_compiled, other_processors, processor
+from bearing_twin.numerics.compiled import (
+    cache_folder,
+    has_compiled,
+    other_processors,
+    processor,
+    why_not_kept,
+)
 
 if TYPE_CHECKING:
     import argparse
@@ -35,6 +41,8 @@ def run(args: argparse.Namespace) -> int:
         print(f'the code in {folder} is for another processor ({others})', flush=True)
     dynamics.warm_up(fleet=True)
     diagnosis.warm_up()
+    if why := why_not_kept():
+        raise BearingTwinError(why)
     took = time.perf_counter() - began
     answer = {'processor': processor(), 'folder': str(folder), 'seconds': took}
     if args.json:

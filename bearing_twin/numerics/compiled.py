@@ -13,16 +13,18 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
+import logging
 import os
 from pathlib import Path
 import pickle
 import shutil
 import tempfile
 import time
-from typing import Any, TYPE_CHECKING, TypeVar
+from typing import Any, cast, TYPE_CHECKING, TypeVar
 
 import numba as nb
 from numba.core import event
+from numba.core.caching import FunctionCache
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -92,12 +94,51 @@ def compiled(
         before = _numba.CACHE_DIR
         _numba.CACHE_DIR = str(folder)
         try:
-            cached: F = nb.njit(cache=True, **options)(function)
+            cached: Any = nb.njit(**options)(function)
+            cached._cache = _Cache(function)  # type: ignore[no-untyped-call]
         finally:
             _numba.CACHE_DIR = before
-        return cached
+        return cast('F', cached)
 
     return decorate
+
+
+class _Cache(FunctionCache):
+    """Cache of one function; a full disk or a damaged file costs time, but ends no command."""
+
+    def load_overload(self, *key: Any) -> Any:
+        try:
+            return super().load_overload(*key)  # type: ignore[no-untyped-call]
+        except Exception:
+            # Damaged bytes raise errors of any type. An empty index takes the code again.
+            with contextlib.suppress(OSError):
+                self.flush()  # type: ignore[no-untyped-call]
+            return None
+
+    def save_overload(self, *entry: Any) -> None:
+        try:
+            super().save_overload(*entry)  # type: ignore[no-untyped-call]
+        except OSError as error:
+            if not _unkept:
+                _unkept.append(
+                    f'compiled code cannot be kept in {cache_folder()} ({error.strerror}): each '
+                    'start compiles it again; make room, or set NUMBA_CACHE_DIR to another folder'
+                )
+                logging.getLogger(__name__).warning(_unkept[0])
+
+
+_unkept: list[str] = []
+
+
+def why_not_kept() -> str:
+    """
+    Return why compiled code of this process could not be written to the cache; '' if it could.
+
+    >>> why_not_kept()
+    ''
+
+    """
+    return ''.join(_unkept)
 
 
 def has_compiled() -> bool:

@@ -3,6 +3,7 @@
 import ast
 import os
 from pathlib import Path
+import resource
 
 from bearing_twin.numerics.compiled import SHARED
 from commands import python
@@ -125,6 +126,58 @@ def outer(x): return inner(x) + SLIP
 def test_where_no_cache_can_be_written_it_runs_all_the_same(tree, variable):
     (tree / PACKAGE / '__pycache__').touch()
     assert run(tree, **{variable: '/dev/null/cache'}) == ('None', 2.0)
+
+
+def small_files():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+
+def test_a_cache_without_room_costs_one_warning_and_no_result(tree, tmp_path):
+    given = os.environ | {'NUMBA_CACHE_DIR': str(tmp_path / 'cache'), 'PYTHONPATH': ''}
+    done = python('-B', '-c', RUN, cwd=tree, env=given, preexec_fn=small_files)
+    assert (done.returncode, done.stdout.split()[1]) == (0, '2.0')
+    folder = done.stdout.split()[0]
+    assert done.stderr == (
+        f'compiled code cannot be kept in {folder} (File too large): each start compiles it '
+        'again; make room, or set NUMBA_CACHE_DIR to another folder\n'
+    )
+    assert run(tree, NUMBA_CACHE_DIR=tmp_path / 'cache') == (folder, 2.0)
+
+
+def test_compiling_for_later_without_room_is_an_error(tmp_path):
+    script = (
+        'from bearing_twin.cli import compile, main\n'
+        'from bearing_twin.thermal.network import clearance_change\n'
+        'from bearing_twin.numerics.compiled import compiled\n'
+        # One small function instead of all.
+        'warm = compiled()(clearance_change)\n'
+        'compile.dynamics.warm_up = lambda fleet: warm(60.0, 40.0, 0.05735)\n'
+        'compile.diagnosis.warm_up = lambda: None\n'
+        "raise SystemExit(main(['compile']))\n"
+    )
+    given = os.environ | {'NUMBA_CACHE_DIR': str(tmp_path)}
+    done = python('-c', script, env=given, preexec_fn=small_files)
+    assert (done.returncode, done.stdout) == (1, '')
+    assert done.stderr.splitlines()[-1].startswith('bearing-twin compile: compiled code cannot')
+
+
+@pytest.mark.parametrize('damage', ['empty', 'cut', 'other bytes', 'a folder'])
+def test_a_damaged_cache_is_made_anew(tree, tmp_path, damage):
+    cache = tmp_path / 'cache'
+    folder, _ = run(tree, NUMBA_CACHE_DIR=cache)
+    for file in [*Path(folder).rglob('*.nbi'), *Path(folder).rglob('*.nbc')]:
+        whole = file.read_bytes()
+        if damage == 'a folder':
+            file.unlink()
+            file.mkdir()
+        else:
+            cut = whole[: len(whole) // 2]
+            file.write_bytes({'empty': b'', 'cut': cut, 'other bytes': whole[::-1]}[damage])
+    assert run(tree, NUMBA_CACHE_DIR=cache) == (folder, 2.0)
+    if damage != 'a folder':
+        seen = {file: file.read_bytes() for file in Path(folder).rglob('*.nb?')}
+        assert run(tree, NUMBA_CACHE_DIR=cache) == (folder, 2.0)
+        assert {file: file.read_bytes() for file in Path(folder).rglob('*.nb?')} == seen
 
 
 def test_code_for_another_processor_is_named_and_not_used(tmp_path):
