@@ -334,14 +334,14 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Write the data files and print the check."""
     parser = arguments(sys.modules[__name__], writes=True, twins=400, impacts=3000)
     parser.add_argument('--fresh', type=int, nargs=2, default=(400, 8000))
-    parser.add_argument(
+    fitted = parser.add_mutually_exclusive_group()
+    fitted.add_argument(
         '--kinds',
         nargs='+',
         choices=KINDS,
-        default=KINDS,
         help='kinds of answers that weights are fitted for; the others keep those in use',
     )
-    parser.add_argument(
+    fitted.add_argument(
         '--rules',
         nargs='+',
         choices=[rule.name for rule in RULES],
@@ -355,6 +355,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument('--picture', type=Path, help='PNG file to write: the reliability diagram')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
+    if args.shipped and (args.kinds or args.rules):
+        parser.error('--shipped fits no weights: leave out --kinds and --rules')
     if args.shipped:
         weights = shipped_weights()
     else:
@@ -363,7 +365,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         if args.rules:
             weights = fit_rules(told, args.rules, shipped_weights())
         else:
-            weights = shipped_weights() | fit(told, args.kinds)
+            weights = shipped_weights() | fit(told, args.kinds or KINDS)
     if args.weights:
         about = 'written by python -m bearing_twin.studies.reliability'
         write_table(args.weights, {'about': about, 'weights': weights})
