@@ -137,10 +137,13 @@ class Answers:
             count = sum(each.place == place for each in self.newest)
             return f'{count} {of} say {place}, {level}'
         agree = self._agreeing()
-        same = [each for each in agree if each.level == level]
-        worse = len(same) < len(agree)
-        text = f'{len(agree)} {of} say {level}{" or worse" if worse else ""}'
-        if level == 'ok':
+        counts = Counter(each.level for each in agree)
+        # Worse answers are too few for the level, but each of them is a finding.
+        worse = [f', {counts[each]} {each}' for each in LEVELS if each != level and counts[each]]
+        text = f'{counts[level]} {of} say {level}{"".join(worse)}'
+        # There is nothing to tell of an ok answer.
+        told = max(counts, key=LEVELS.index) if level == 'ok' else level
+        if told == 'ok':
             return text
         unsure = Counter(
             (each.open_places, each.rule) for each in agree if each.rule in _AMBIGUOUS
@@ -149,5 +152,6 @@ class Answers:
             [((places, rule), count)] = unsure.most_common(1)
             are = 'are' if count > 1 else 'is'
             return f'{text}; {count} of them {are} ambiguous ({places}: {WHY[rule]})'
-        last = f'the last {level}' if worse else 'the last'
-        return f'{text}; {last}: {same[-1].reason}' if same[-1].reason else text
+        last = f'the last {told}' if worse else 'the last'
+        reason = next(each.reason for each in reversed(agree) if each.level == told)
+        return f'{text}; {last}: {reason}' if reason else text

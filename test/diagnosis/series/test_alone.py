@@ -20,7 +20,17 @@ OUTER = Answer('fault', 'outer', reason='outer: comb')
 @pytest.mark.parametrize(
     ('newest', 'said'),
     [
-        ([OK] * 5 + [TURNS] * 4, '9 of the last 9 snapshots alone say ok or worse'),
+        ([OK] * 9, '9 of the last 9 snapshots alone say ok'),
+        (
+            [OK] * 5 + [TURNS] * 4,
+            '5 of the last 9 snapshots alone say ok, 4 fault; 4 of them are ambiguous '
+            f'(outer: {WHY["whole_turns"]})',
+        ),
+        (
+            [OK] * 6 + [SUSPECT] * 2 + [OUTER],
+            '6 of the last 9 snapshots alone say ok, 2 suspect, 1 fault; the last fault: '
+            'outer: comb',
+        ),
         (
             [TURNS] * 5 + [LINES] * 4,
             '9 of the last 9 snapshots alone say fault; 5 of them are ambiguous '
@@ -28,12 +38,12 @@ OUTER = Answer('fault', 'outer', reason='outer: comb')
         ),
         (
             [SUSPECT] * 8 + [LINES],
-            '9 of the last 9 snapshots alone say suspect or worse; 1 of them is ambiguous '
+            '8 of the last 9 snapshots alone say suspect, 1 fault; 1 of them is ambiguous '
             f'(inner or ball: {WHY["same_lines"]})',
         ),
         (
             [SUSPECT] * 5 + [OUTER] * 4,
-            '9 of the last 9 snapshots alone say suspect or worse; the last suspect: a comb',
+            '5 of the last 9 snapshots alone say suspect, 4 fault; the last suspect: a comb',
         ),
         ([SUSPECT] * 9, '9 of the last 9 snapshots alone say suspect; the last: a comb'),
         ([Answer('suspect')] * 9, '9 of the last 9 snapshots alone say suspect'),
