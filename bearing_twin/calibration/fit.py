@@ -53,6 +53,7 @@ from bearing_twin.dynamics import warm_up
 from bearing_twin.dynamics.equations.sensor_path import band_levels, distance
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import one_axis
 import numpy as np
 import numpy.typing as npt
 import scipy
@@ -190,10 +191,7 @@ def _checked(
     temperature: float,
 ) -> tuple[FloatArray, Situation]:
     """Check the arguments of `fit`; return the record without its mean, and its situation."""
-    x = np.asarray(samples, dtype=np.float64)
-    if x.ndim != 1:
-        msg = f'samples have shape {x.shape}; give one axis as a 1-D array'
-        raise BearingTwinError(msg)
+    x = one_axis(samples, 'samples')
     check_bearing(bearing)
     load_range(bearing, load)
     reasons = check_record(x, sample_rate, shaft_hz, highest_fault_order(bearing))

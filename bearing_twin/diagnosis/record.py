@@ -20,6 +20,7 @@ from bearing_twin.diagnosis.signal.shaft import other_shafts_hz, SpeedProfile
 from bearing_twin.diagnosis.signal.spectra import floor_levels
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import one_axis, real_number, real_numbers
 import numpy as np
 
 if TYPE_CHECKING:
@@ -116,11 +117,9 @@ def diagnose_record(
     settings = settings or DiagnosisSettings()
     if speed_tolerance is not None:
         settings = replace(settings, speed_tolerance=speed_tolerance)
-    signal = np.asarray(x, dtype=np.float64)
-    if signal.ndim != 1:
-        msg = f'x has shape {signal.shape}; give one axis as a 1-D array'
-        raise BearingTwinError(msg)
-    speeds = np.asarray(shaft_hz, dtype=np.float64)
+    signal, speeds = one_axis(x), real_numbers('shaft_hz', shaft_hz)
+    sample_rate = real_number('sample_rate', sample_rate)
+    temperature = real_number('temperature', temperature)
     if speeds.shape not in ((), signal.shape):
         msg = (
             f'shaft_hz has shape {speeds.shape}, x has {signal.shape}; give one number or one '

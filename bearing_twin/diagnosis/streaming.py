@@ -17,7 +17,9 @@ from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.shaft import SpeedProfile
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import one_axis, real_number
 from bearing_twin.packed import pack, restored, unpack
+from bearing_twin.quantity import check_range, check_whole
 import numpy as np
 
 if TYPE_CHECKING:
@@ -38,36 +40,56 @@ PATIENCE = 3.0
 _STEADY = 1e-4
 """Largest relative change of the sample rate within a window: a line at 1 kHz moves by less than
 its width in 8 s."""
+_FARTHEST = 2**63 - 1
+"""Largest index of a sample, in either direction."""
 
 
 LOWEST_RATE, HIGHEST_RATE = 1.0, 1e9
 """Range of sample rates of a stream, Hz: an update has at least one sample, and a window ends."""
 
 
-def checked_block(x: ArrayLike, sample_rate: float) -> NDArray[np.float64]:
+class Block(NamedTuple):
     """
-    Return the samples of one axis as an array, shape (n,).
+    Samples of one axis, and what is known of them; see :meth:`StreamingDiagnoser.take`.
 
-    Raises
-    ------
-    BearingTwinError
-        If x is not one-dimensional or the sample rate is outside 1 Hz to 1 GHz.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> checked_block([1, 2], 25600.0)
-    array([1., 2.])
+    >>> Block.checked(0, [1, 2], 25600, 25.0, math.nan)
+    Block(first_sample=0, x=array([1., 2.]), sample_rate=25600.0, shaft_hz=25.0, temperature=nan)
 
     """
-    block = np.asarray(x, dtype=np.float64)
-    if block.ndim != 1:
-        msg = f'x has shape {block.shape}; push one axis as a 1-D array'
-        raise BearingTwinError(msg)
-    if not LOWEST_RATE <= sample_rate <= HIGHEST_RATE:
-        msg = f'sample_rate={sample_rate:g} Hz is outside {LOWEST_RATE:g}..{HIGHEST_RATE:g} Hz'
-        raise BearingTwinError(msg)
-    return block
+
+    first_sample: int
+    x: NDArray[np.float64]
+    sample_rate: float
+    shaft_hz: float
+    temperature: float
+
+    @classmethod
+    def checked(
+        cls,
+        first_sample: int,
+        x: ArrayLike,
+        sample_rate: float,
+        shaft_hz: float,
+        temperature: float,
+    ) -> Block:
+        """
+        Return a block.
+
+        Raises
+        ------
+        BearingTwinError
+            If x is not one-dimensional, a value is no number, the sample rate is outside 1 Hz to
+            1 GHz, or the index is no whole number of 64 bits.
+
+        """
+        check_whole('first_sample', first_sample)
+        check_range('first_sample', first_sample, -_FARTHEST, _FARTHEST, 'samples')
+        rate = real_number('sample_rate', sample_rate)
+        check_range('sample_rate', rate, LOWEST_RATE, HIGHEST_RATE, 'Hz')
+        hertz = real_number('shaft_hz', shaft_hz)
+        return cls(
+            int(first_sample), one_axis(x), rate, hertz, real_number('temperature', temperature)
+        )
 
 
 def same_rate(first: float, other: float) -> bool:
@@ -262,10 +284,13 @@ class StreamingDiagnoser:
         Raises
         ------
         BearingTwinError
-            If x is not one-dimensional or the sample rate is outside 1 Hz to 1 GHz.
+            If x is not one-dimensional, a value is no number, or the sample rate is outside 1 Hz
+            to 1 GHz. The state is unchanged then.
 
         """
-        block = checked_block(x, sample_rate)
+        first_sample, block, sample_rate, shaft_hz, temperature = Block.checked(
+            first_sample, x, sample_rate, shaft_hz, temperature
+        )
         if not same_rate(self._rate, sample_rate):
             before, self._rate = self._rate, sample_rate
             if math.isnan(before):

@@ -10,6 +10,7 @@ from typing import get_args, Literal
 
 from bearing_twin.bearing import Bearing, Place, PLACES, radial_factor
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_number
 from bearing_twin.quantity import check_fields, check_range, check_whole, quantities, quantity
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TABLE_HIGH, TABLE_LOW
@@ -76,8 +77,9 @@ def check_speed(shaft_hz: float) -> float:
     25.0
 
     """
-    check_range('shaft_hz', shaft_hz, 0.0, MAX_SHAFT_HZ, 'Hz')
-    return float(shaft_hz)
+    hertz = real_number('shaft_hz', shaft_hz)
+    check_range('shaft_hz', hertz, 0.0, MAX_SHAFT_HZ, 'Hz')
+    return hertz
 
 
 @dataclass(frozen=True, kw_only=True)

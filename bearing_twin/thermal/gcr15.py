@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_number
 from bearing_twin.quantity import check_fields, quantity
 import numpy as np
 import numpy.typing as npt
@@ -57,6 +58,7 @@ def check_temperature(temperature: float) -> float:
     60.0
 
     """
+    temperature = real_number('temperature', temperature)
     if not TABLE_LOW <= temperature <= TABLE_HIGH:
         msg = (
             f'temperature {temperature} degC is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC, the '

@@ -36,9 +36,11 @@ from bearing_twin.diagnosis.signal.severity import (
     monitored_levels,
     valid_for_length,
 )
+from bearing_twin.diagnosis.streaming import HIGHEST_RATE, LOWEST_RATE
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import one_axis, real_number
 from bearing_twin.packed import restored
-from bearing_twin.quantity import signed
+from bearing_twin.quantity import check_range, signed
 from bearing_twin.stamps import time_unit
 import numpy as np
 from scipy import fft
@@ -160,13 +162,14 @@ class SeriesMonitor:
         Raises
         ------
         BearingTwinError
-            If x is not one-dimensional.
+            If x is not one-dimensional, or a value is no number. The state is unchanged then.
 
         """
-        signal = np.asarray(x, dtype=np.float64)
-        if signal.ndim != 1:
-            msg = f'x has shape {signal.shape}; a snapshot is one axis, a 1-D array'
-            raise BearingTwinError(msg)
+        signal = one_axis(x)
+        time, shaft_hz = real_number('time', time), real_number('shaft_hz', shaft_hz)
+        sample_rate = real_number('sample_rate', sample_rate)
+        check_range('sample_rate', sample_rate, LOWEST_RATE, HIGHEST_RATE, 'Hz')
+        temperature = real_number('temperature', temperature)
         reason = self._refuse(time, signal, sample_rate, shaft_hz, unit)
         if reason:
             self._kept.leave_out(reason)
@@ -280,6 +283,8 @@ class SeriesMonitor:
         self, time: float, x: NDArray[np.float64], sample_rate: float, shaft_hz: float, unit: str
     ) -> str:
         """Return why a snapshot cannot be judged; '' if it can."""
+        if not math.isfinite(time):
+            return 'no time; give it in s'
         if self._kept.points and not time > self._kept.points[-1].time:
             return 'not later than the one before; sort the files, or mend their times'
         before = self._kept.source
@@ -298,6 +303,8 @@ class SeriesMonitor:
             return 'a constant signal'
         if shaft_hz <= 0.0:
             return 'the machine stands still'
+        if math.isinf(shaft_hz):
+            return 'an infinite shaft speed'
         return ''
 
     def _laws(self) -> list[Law]:

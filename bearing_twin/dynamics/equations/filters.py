@@ -7,7 +7,8 @@ from __future__ import annotations
 import functools
 import math
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_number
+from bearing_twin.quantity import check_range
 import numpy as np
 import numpy.typing as npt
 
@@ -28,15 +29,11 @@ def check_rate(sample_rate: float) -> float:
     --------
     >>> check_rate(25600)
     25600.0
-    >>> check_rate(500.0)
-    Traceback (most recent call last):
-    bearing_twin.errors.BearingTwinError: sample_rate=500.0 is outside 2000..204800 Hz
 
     """
-    if not 2000.0 <= sample_rate <= 204800.0:
-        msg = f'sample_rate={sample_rate} is outside 2000..204800 Hz'
-        raise BearingTwinError(msg)
-    return float(sample_rate)
+    rate = real_number('sample_rate', sample_rate)
+    check_range('sample_rate', rate, 2000.0, 204800.0, 'Hz')
+    return rate
 
 
 def least_steps(sample_rate: float) -> int:

@@ -21,8 +21,10 @@ from bearing_twin.dynamics.saved import Envelope, identity
 from bearing_twin.dynamics.single.condition import Condition, condition
 from bearing_twin.dynamics.single.simulator import Block, Simulator
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_numbers
 from bearing_twin.numerics.compiled import compiled
 from bearing_twin.numerics.vector import L
+from bearing_twin.quantity import check_range, check_whole
 from bearing_twin.thermal.gcr15 import check_temperature
 import numpy as np
 import numpy.typing as npt
@@ -149,9 +151,8 @@ class Fleet:
         ``n`` is 1 to 2^20. Temperatures, degC, and speeds, Hz, hold at the end of the block, one
         per bearing or one for all.
         """
-        if not 1 <= n <= 1 << 20:
-            msg = f'block of {n} samples is outside 1..{1 << 20}'
-            raise BearingTwinError(msg)
+        check_whole('n', n)
+        check_range('n', n, 1, 1 << 20, 'samples')
         outer = self._checked('temperatures', temperatures, check_temperature)
         speed = self._checked('shaft_hz', shaft_hz, check_speed)
         was_outer, was_speed = self._temperatures, self._shaft_hz
@@ -388,7 +389,7 @@ class Fleet:
         self, name: str, given: npt.ArrayLike, check: Callable[[float], float]
     ) -> FloatArray:
         """Return one validated value per lane; idle lanes repeat the last bearing."""
-        values = np.asarray(given, dtype=float)
+        values = real_numbers(name, given)
         size = len(self._parameters)
         if values.ndim and values.shape != (size,):
             msg = f'{name} has shape {values.shape}; give one value, or one for each of {size}'
@@ -406,6 +407,7 @@ class Fleet:
         return padded
 
     def _check_index(self, index: int) -> None:
+        check_whole('index', index)
         if not 0 <= index < len(self):
             msg = f'no bearing {index} in a fleet of {len(self)}'
             raise BearingTwinError(msg)

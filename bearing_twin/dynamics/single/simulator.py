@@ -27,8 +27,9 @@ from bearing_twin.dynamics.single.condition import (
 )
 from bearing_twin.dynamics.single.tables import ball_table, defect_table, equations_of, machine
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import one_axis
 from bearing_twin.numerics.compiled import compiled
-from bearing_twin.quantity import check_whole
+from bearing_twin.quantity import check_range, check_whole
 from bearing_twin.thermal.gcr15 import check_temperature
 import numpy as np
 import numpy.typing as npt
@@ -137,7 +138,7 @@ class Simulator:
         self.sample_rate = filters.check_rate(sample_rate)
         self._oversample = filters.oversampling(sample_rate)
         self._taps = filters.decimator(self._oversample)
-        self.start = (check_temperature(float(temperature)), check_speed(shaft_hz))
+        self.start = (check_temperature(temperature), check_speed(shaft_hz))
         """Temperature and speed that :meth:`reset` restores, degC and Hz."""
         self.tick = inner_ring.tick_length(sample_rate)
         # State and tables, records of `layout` and rows of `coefficients`: read by `fleet.lanes`.
@@ -213,7 +214,7 @@ class Simulator:
         """
         if self._parameters.thermal_mode == 'physical':
             inputs = self.inputs()
-            self._temperature = check_temperature(float(temperature))
+            self._temperature = check_temperature(temperature)
             self._settle_ring()
             self._come_from(inputs)
 
@@ -231,7 +232,7 @@ class Simulator:
 
         """
         _check_size(n)
-        temperature = check_temperature(float(temperature))
+        temperature = check_temperature(temperature)
         shaft_hz = check_speed(shaft_hz)
         out, first = np.empty((2, n), dtype=np.float32), self.next_sample
         seen = np.empty(SNAPSHOT_SIZE)
@@ -267,8 +268,13 @@ class Simulator:
 
         """
         _check_size(n)
-        outer = np.array([check_temperature(float(each)) for each in temperatures])
-        hz = np.array([check_speed(each) for each in speeds])
+        outer = np.array(
+            [check_temperature(each) for each in one_axis(temperatures, 'temperatures')]
+        )
+        hz = np.array([check_speed(each) for each in one_axis(speeds, 'speeds')])
+        if len(outer) != len(hz):
+            msg = f'{len(outer)} temperatures and {len(hz)} speeds; give one of each for a block'
+            raise BearingTwinError(msg)
         count, first = len(outer), self.next_sample
         out, seen = np.empty((count, 2, n), dtype=np.float32), np.empty((count, SNAPSHOT_SIZE))
         _advance_all(
@@ -571,9 +577,8 @@ def _advance_all(
 
 
 def _check_size(n: int) -> None:
-    if not 1 <= n <= _MAX_BLOCK:
-        msg = f'block of {n} samples is outside 1..{_MAX_BLOCK}'
-        raise BearingTwinError(msg)
+    check_whole('n', n)
+    check_range('n', n, 1, _MAX_BLOCK, 'samples')
 
 
 def _checked(seed: int) -> int:

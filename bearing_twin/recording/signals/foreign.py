@@ -18,6 +18,7 @@ import warnings
 from bearing_twin.bearing import Bearing
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor, GRAVITY
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_numbers
 from bearing_twin.recording.finding import SIGNAL_FILES
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.recording.signals.csvfile import is_even, read_csv
@@ -246,7 +247,7 @@ def _read_wav(path: Path) -> dict[str, Any]:
 def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
     count = wav['table'].shape[1]
     index = _index(channel or '0', count, f'{path}: channel')
-    x = (wav['table'][:, index].astype(np.float64) - wav['offset']) / wav['scale']
+    x = (real_numbers('x', wav['table'][:, index]) - wav['offset']) / wav['scale']
     where = f', channel {index}'
     if channel is None and count > 1:
         where += f' (there is also {", ".join(map(str, range(1, min(count, 11))))})'
@@ -328,7 +329,7 @@ def _index(text: str, count: int, what: str) -> int:
 
 
 def _vector(values: Any, path: Path) -> NDArray[np.float64]:
-    x = np.ascontiguousarray(values, dtype=np.float64)
+    x = np.ascontiguousarray(real_numbers('x', values))
     if not 1 <= x.size <= MOST_SAMPLES:
         msg = f'{path}: the signal has {x.size} samples; 1..{MOST_SAMPLES} are read'
         raise BearingTwinError(msg)
