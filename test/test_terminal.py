@@ -3,6 +3,7 @@
 """The command as a person types it: help, completion, colours, and what fails at once."""
 
 import os
+from pathlib import Path
 import pty
 import re
 import socket
@@ -186,8 +187,64 @@ def test_live_view_without_a_server_fails_at_once(capsys, monkeypatch):
 
 @pytest.mark.parametrize('command', ['info', 'recover', 'report', 'verify', 'diagnose'])
 def test_what_the_system_refuses_is_said_in_a_sentence(command, capsys):
-    assert main([command, f'{"x" * 300}.mcap']) == 1
-    assert 'File name too long' in capsys.readouterr().err
+    name = 'x' * 300
+    assert main([command, f'{name}.mcap']) == 1
+    said = capsys.readouterr().err
+    assert 'File name too long' in said
+    assert name in said
+    assert 'Errno' not in said
+
+
+@pytest.mark.parametrize(
+    ('words', 'said'),
+    [
+        (['diagnose', 'a.npz', '--rpm', '1500,5'], "'1500,5' is not a number; write a decimal"),
+        (['diagnose', 'a.npz', '--shaft-hz', '25Hz'], "'25Hz' is not a number; write a decimal"),
+        (['bearings', '--order', ''], "'' is not a number"),
+        (['play', 'a.npz', '--block', '1e3'], "'1e3' is not a whole number; write digits"),
+        (['diagnose', ''], 'the name is empty, as of a variable that is not set'),
+        (['diagnose', 'a.npz', '--plot', ''], 'the name is empty'),
+        (['whatif', ''], 'the name is empty'),
+        (['benchmark', ''], 'the name is empty'),
+        (['recover', ''], 'the name is empty'),
+        (['recover', 'a.mcap', '-o', ''], 'the name is empty'),
+        (['view', 'a.mcap', ''], 'the name is empty'),
+    ],
+)
+def test_what_is_no_number_or_no_name_is_said_with_what_to_write(words, said, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('command', ['info', 'recover', 'report', 'verify', 'diagnose', 'view'])
+@pytest.mark.parametrize('ending', ['mcap', 'npz'])
+def test_a_link_to_itself_and_a_folder_named_like_a_file_are_refused(
+    command, ending, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    loop, folder = Path(f'loop.{ending}'), Path(f'folder.{ending}')
+    loop.symlink_to(loop)
+    folder.mkdir()
+    for name in loop, folder:
+        assert main([command, str(name)]) == 1
+        said = capsys.readouterr().err
+        assert str(name) in said
+        assert "'bearing-twin diagnose'" not in said
+    assert sorted(tmp_path.iterdir()) == [tmp_path / folder, tmp_path / loop]
+
+
+@pytest.mark.parametrize('name', [os.fsdecode(b'latin\xff.npz'), f'{"x" * 251}.npz'])
+def test_a_vibration_file_of_any_name_becomes_a_page_and_a_picture(
+    name, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    x = np.random.default_rng(0).standard_normal(51200)
+    np.savez(name, x=x, fs=25600.0, rpm=1500.0)
+    for words in (['report', name, '-o', 'page.html'], ['view', name, '--save', 'a.rrd']):
+        assert main([*words, '--bearing', '6205']) == 0, capsys.readouterr().err
+    assert name[:5] in (tmp_path / 'page.html').read_text()
 
 
 @pytest.mark.parametrize('topic', ['-1', 'a b', '/a//b', '/a/', '5x', '\x1b[31m', '\udcff'])

@@ -23,7 +23,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import mend_streams, report_compiling
+from bearing_twin.cli.terminal import mend_streams, report_compiling, take_as_meant
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 
@@ -83,6 +83,7 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
     chosen = next((word for word in arguments if not word.startswith('-')), None)
     for name, text in COMMANDS.items():
         sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + '.')
+        take_as_meant(sub)
         if name == chosen:
             try:
                 module = importlib.import_module(f'bearing_twin.cli.{name}')
@@ -124,7 +125,9 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
     except BrokenPipeError:
         return 141
     except OSError as error:
-        print(f'bearing-twin {args.command}: {shown(error)}', file=sys.stderr)
+        said = error.strerror or error
+        where = f'{error.filename}: ' if error.filename else ''
+        print(f'bearing-twin {args.command}: {shown(f"{where}{said}")}', file=sys.stderr)
         return 1
     finally:
         slow.cancel()

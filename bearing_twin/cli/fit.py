@@ -26,7 +26,7 @@ from bearing_twin.cli.signal_arguments import (
     picture_of,
     unread,
 )
-from bearing_twin.cli.terminal import clear_progress, progress, wrapped
+from bearing_twin.cli.terminal import clear_progress, file_name, progress, wrapped
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.quantity import signed
 from bearing_twin.recording.signals.foreign import read_signal
@@ -62,7 +62,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument('--seed', type=seed, default=0, help='of all draws (default 0)')
     parser.add_argument('--json', action='store_true', help='one JSON object a file')
-    parser.add_argument('--plot', metavar='DIR', help='draw machine against twin, and the width')
+    parser.add_argument(
+        '--plot', type=file_name, metavar='DIR', help='draw machine against twin, and the width'
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 import tempfile
 from typing import TYPE_CHECKING
@@ -33,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the page; return 0."""
-    output: Path = args.output or Path(f'{_name(args.recording.resolve())}.html')
+    output: Path = args.output or Path(f'{_name(args.recording)}.html')
     if output.suffix.lower() not in ('.html', '.htm', '.pdf'):
         msg = f'{output} is not called .html or .pdf; a report never overwrites a recording'
         raise BearingTwinError(msg)
@@ -45,7 +46,9 @@ def run(args: argparse.Namespace) -> int:
         (recording,) = as_recordings([args.recording], args, Path(folder))
         made = Path(folder) in recording.parents
         text = report_page(recording, args.recording if made else None)
-    page = pdf_of(text) if output.suffix.lower() == '.pdf' else text.encode()
+    # The name of a recording may be other bytes than UTF-8.
+    content = text.encode(errors='backslashreplace')
+    page = pdf_of(content.decode()) if output.suffix.lower() == '.pdf' else content
     with output_file(output) as file:
         file.write(page)
     if args.json:
@@ -57,6 +60,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _name(recording: Path) -> str:
     """Return the name of a recording; a folder called 'bag' has its parent's."""
+    # Unlike Path.resolve, this raises nothing for a loop of links.
+    recording = Path(os.path.realpath(recording))
     if not recording.is_dir():
         return recording.stem
     return recording.parent.name if recording.name == 'bag' else recording.name

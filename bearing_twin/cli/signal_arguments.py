@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
-from bearing_twin.cli.terminal import refuse_given
+from bearing_twin.cli.terminal import file_name, refuse_given
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import find_recording, SIGNAL_FILES
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
@@ -57,6 +58,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         'files',
         nargs='+',
+        type=file_name,
         metavar='FILE',
         help=f'{" ".join(SIGNAL_FILES)} .mcap, or a folder made by bearing-datasets',
     )
@@ -130,6 +132,8 @@ def _as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
     signal = read_signal(path, channel=args.channel, sample_rate=args.sample_rate)
     bearing = given_bearing(args) or signal.bearing or named_bearing(signal.bearing_name)
     folder.mkdir()
-    target = folder / f'{path.stem}.mcap'
+    # The name of a recording is UTF-8, and its ending may be longer than that of the file.
+    stem = os.fsencode(path.stem)[:200].decode(errors='replace')
+    target = folder / f'{stem}.mcap'
     record_signal(signal, target, bearing, given_speed(args), unit=args.unit)
     return target

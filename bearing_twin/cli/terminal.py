@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Mapping
 from io import TextIOWrapper
 import math
@@ -18,7 +19,6 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
-    import argparse
     from collections.abc import Iterable
 
 
@@ -68,6 +68,40 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
         names = ', '.join(f'--{name.replace("_", "-")}' for name in given)
         msg = f'{names}: {why}'
         raise BearingTwinError(msg)
+
+
+def take_as_meant(parser: argparse.ArgumentParser) -> None:
+    """Let a parser read numbers, and names of files, with errors that say what to write."""
+    for kind, read in ((float, _number), (int, _whole), (Path, _path)):
+        parser.register('type', kind, read)
+
+
+def file_name(text: str) -> str:
+    """Return the name of a file; '' is none: it would be the working directory."""
+    if not text:
+        msg = 'the name is empty, as of a variable that is not set; name a file or folder'
+        raise argparse.ArgumentTypeError(msg)
+    return text
+
+
+def _path(text: str) -> Path:
+    return Path(file_name(text))
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        msg = f'{text!r} is not a number; write a decimal point and no unit, e.g. 1.5'
+        raise argparse.ArgumentTypeError(msg) from None
+
+
+def _whole(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        msg = f'{text!r} is not a whole number; write digits alone, e.g. 60'
+        raise argparse.ArgumentTypeError(msg) from None
 
 
 def refuse_topic(name: str) -> None:

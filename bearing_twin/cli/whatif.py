@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.calibration import Calibration
 from bearing_twin.calibration.whatif import expect
 from bearing_twin.cli.fit import load_range, outer_ring, seed
-from bearing_twin.cli.terminal import wrapped
+from bearing_twin.cli.terminal import file_name, wrapped
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument('fit', metavar='FIT', help="what 'fit --json' wrote; '-' for stdin")
+    parser.add_argument(
+        'fit', type=file_name, metavar='FIT', help="what 'fit --json' wrote; '-' for stdin"
+    )
     parser.add_argument('--speed', type=float, metavar='HZ', help='shaft speed, Hz')
     parser.add_argument('--load', type=load_range, metavar='N', help='one load or LOW,HIGH, N')
     parser.add_argument('--temperature', type=outer_ring, help='of the outer ring, degC')

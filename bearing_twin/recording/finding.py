@@ -36,7 +36,7 @@ def diagnose_hint(path: Path) -> str:
     "; 'bearing-twin diagnose' reads vibration files"
 
     """
-    if path.suffix.lower() in SIGNAL_FILES:
+    if path.suffix.lower() in SIGNAL_FILES and not path.is_dir():
         return "; 'bearing-twin diagnose' reads vibration files"
     names = [item for item in path.glob('[!.]*') if item.is_file()]
     endings = Counter(item.suffix for item in names if item.suffix.lower() in SIGNAL_FILES)

@@ -121,8 +121,11 @@ class MessageSink(ABC):
         self.add(Attachment(name, media_type=media_type, data=data))
 
     def metadata(self, name: str, values: dict[str, str]) -> None:
-        """Add named texts to every file of the recording."""
-        self.add(Attachment(name, values=values))
+        """Add named texts to every file of the recording; what is not UTF-8 is escaped."""
+        known = {
+            key: text.encode(errors='backslashreplace').decode() for key, text in values.items()
+        }
+        self.add(Attachment(name, values=known))
 
     @abstractmethod
     def add(self, attached: Attachment) -> None:

@@ -27,7 +27,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, PLACES
 from bearing_twin.cli.benchmark.misled import ANSWERS, judge_misled, misled_rows
-from bearing_twin.cli.terminal import processes, progress, refuse_given
+from bearing_twin.cli.terminal import file_name, processes, progress, refuse_given
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.rules.confidence import KINDS
 from bearing_twin.diagnosis.warming import warm_up
@@ -99,7 +99,10 @@ class Piece:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        'folder', metavar='DATA_DIR', help='folder with an index.json, or made by bearing-datasets'
+        'folder',
+        type=file_name,
+        metavar='DATA_DIR',
+        help='folder with an index.json, or made by bearing-datasets',
     )
     parser.add_argument('--json', action='store_true', help='one JSON object a piece')
     parser.add_argument('--full', action='store_true', help='whole records at measured speed only')
@@ -145,7 +148,11 @@ def read_cases(folder: Path) -> list[Case]:
         OverflowError,
         RecursionError,
     ) as error:
-        msg = f'{folder / "index.json"} cannot be used ({error}); see the module for its form'
+        reason = getattr(error, 'strerror', None) or error
+        msg = (
+            f'{folder / "index.json"} cannot be used ({reason}); give a folder made by '
+            'bearing-datasets, or with an index as bearing_twin.cli.benchmark.command describes it'
+        )
         raise BearingTwinError(msg) from error
 
 

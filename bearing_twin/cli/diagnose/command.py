@@ -19,7 +19,13 @@ from bearing_twin.cli.signal_arguments import (
     given_speed,
     picture_of,
 )
-from bearing_twin.cli.terminal import clear_progress, progress, refuse_given, shown_inside
+from bearing_twin.cli.terminal import (
+    clear_progress,
+    file_name,
+    progress,
+    refuse_given,
+    shown_inside,
+)
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import shown
 
@@ -87,7 +93,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
     parser.add_argument('--dask', metavar='ADDRESS', help='spread the work over a Dask cluster')
     parser.add_argument(
-        '--plot', metavar='DIR', help='draw the spectra with fault cursors into this folder'
+        '--plot',
+        type=file_name,
+        metavar='DIR',
+        help='draw the spectra with fault cursors into this folder',
     )
 
 
@@ -128,7 +137,7 @@ def _list_channels(args: argparse.Namespace) -> int:
         print(json.dumps(listed))
         return 0
     for name, names in listed.items():
-        print(f'{name}:', *map(shown, names), sep='\n    ')
+        print(f'{shown(name)}:', *map(shown, names or ['(none)']), sep='\n    ')
     return 0
 
 

@@ -144,8 +144,11 @@ def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tup
         return topic, axis
     if not topic and len(fitting) == 1:
         return fitting[0], axis
-    has = f'it has {", ".join(fitting)}' if fitting else 'it has none that could be one'
-    msg = f'{path}: name the vibration topic ({channel!r} was asked for); {has}'
+    if not fitting:
+        msg = f'{path} has no topic that could be a vibration'
+        raise BearingTwinError(msg)
+    asked = f' ({channel!r} was asked for)' if channel else ''
+    msg = f'{path}: name the vibration topic{asked}; it has {", ".join(fitting)}'
     raise BearingTwinError(msg)
 
 

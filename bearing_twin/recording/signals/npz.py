@@ -50,10 +50,12 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
                     arrays[name] = array
     except BearingTwinError:
         raise
+    except OSError as error:
+        msg = f'{path} cannot be read: {error.strerror or error}'
+        raise BearingTwinError(msg) from None
     except Exception as error:
         # zipfile, NumPy and its tokenizer raise exceptions of many types if bytes are damaged.
-        reason = getattr(error, 'strerror', None) or error
-        msg = f'{path} cannot be read as .npz ({type(error).__name__}: {reason})'
+        msg = f'{path} cannot be read as .npz ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
     return arrays
 
