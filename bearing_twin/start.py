@@ -30,8 +30,12 @@ def command() -> int:
     # The start scripts for 'ros2 run' block the signal while the interpreter starts.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     from bearing_twin.cli import main
+    from bearing_twin.cli.terminal import end_output
 
-    return main(begin=partial(signal.signal, signal.SIGINT, former))
+    try:
+        return main(begin=partial(signal.signal, signal.SIGINT, former))
+    finally:
+        end_output()
 
 
 def _node(name: str) -> int:

@@ -309,11 +309,40 @@ def test_what_cannot_be_said_is_no_success():
     ran = subprocess.run(
         ['sh', '-c', '"$@" >&-', 'sh', *COMMAND, 'bearings', '6205'], stderr=subprocess.PIPE
     )
-    assert (ran.returncode, b'Bad file descriptor' in ran.stderr) == (1, True)
+    said = b'bearing-twin bearings: standard output: Bad file descriptor\n'
+    assert (ran.returncode, ran.stderr) == (1, said)
     ran = subprocess.run(
         ['sh', '-c', '"$@" 2>&-', 'sh', *COMMAND, 'info', 'nowhere'], stdout=subprocess.PIPE
     )
     assert (ran.returncode, ran.stdout) == (1, b'')
+
+
+@pytest.mark.parametrize(
+    ('words', 'where', 'status', 'said'),
+    [
+        ('bearings 6205', '> /dev/full', 1, 'bearings: standard output: No space left on device'),
+        (
+            'bearings --json',
+            '> /dev/full',
+            1,
+            'bearings: standard output: No space left on device',
+        ),
+        ('bearings 6205', '| true', 141, ''),
+        ('bearings nothing', '> /dev/full', 1, "bearings: no bearing 'nothing'"),
+        ('bearings --help', '> /dev/full', 0, ''),
+    ],
+)
+def test_output_that_ends_is_one_sentence(words, where, status, said):
+    environment = {key: v for key, v in os.environ.items() if key != 'PYTHONUNBUFFERED'}
+    # The pipe has no reader any more when the command prints.
+    script = f'set -o pipefail; {{ sleep 0.2; "$@" {words}; }} {where}'
+    ran = subprocess.run(
+        ['bash', '-c', script, 'bash', *COMMAND], env=environment, capture_output=True, text=True
+    )
+    assert ran.returncode == status
+    lines = ran.stderr.splitlines()
+    assert len(lines) == bool(said)
+    assert not said or lines[0].startswith(f'bearing-twin {said}')
 
 
 @pytest.mark.parametrize('seconds', ['0', '-5', 'nan', '1e9'])

@@ -15,6 +15,7 @@ Shells that have run ``eval "$(register-python-argcomplete bearing-twin)"`` comp
 from __future__ import annotations
 
 import argparse
+import errno
 import gc
 import importlib
 import os
@@ -53,6 +54,9 @@ COMMANDS = {
     'whatif': 'say what a fitted machine would show at another speed, load, temperature or width',
 }
 """Name and one-line help of every sub-command."""
+
+_UNWRITTEN = (errno.EBADF, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOSPC)
+"""Errors of writing."""
 
 SLOW = 5.0
 """Time after which a command reports that it compiles, s."""
@@ -116,6 +120,7 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         slow.start()
     try:
         status: int = args.run(args)
+        sys.stdout.flush()
     except BearingTwinError as error:
         text = shown(error, keep='\n')
         print(f'bearing-twin {args.command}: {text}', file=sys.stderr)
@@ -126,7 +131,9 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         return 141
     except OSError as error:
         said = error.strerror or error
-        where = f'{error.filename}: ' if error.filename else ''
+        # Files that a command writes name themselves; the other output is the standard one.
+        printed = 'standard output' if error.errno in _UNWRITTEN else ''
+        where = f'{name}: ' if (name := error.filename or printed) else ''
         print(f'bearing-twin {args.command}: {shown(f"{where}{said}")}', file=sys.stderr)
         return 1
     finally:

@@ -46,6 +46,18 @@ def mend_streams() -> None:
         sys.stdout.reconfigure(errors='backslashreplace')
 
 
+def end_output() -> None:
+    """
+    Write what was printed to standard output, or discard it if that takes no more.
+
+    At its end Python would try again, and report it with a traceback.
+    """
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def report_compiling(command: str) -> None:
     """
     Report on a terminal that this process is compiling kernels, if it is.
