@@ -80,7 +80,10 @@ def output_file(path: Path, *, folder: bool = False) -> Iterator[BinaryIO]:
         if made:
             with contextlib.suppress(OSError):
                 path.parent.rmdir()
-        msg = f'{path} cannot be written ({error.strerror}); make room, or name another one'
+        # There is room for a file whose folder is missing.
+        missing = isinstance(error, FileNotFoundError)
+        remedy = 'make its folder' if missing else 'make room'
+        msg = f'{path} cannot be written ({error.strerror}); {remedy}, or name another one'
         raise BearingTwinError(msg) from None
 
 

@@ -15,6 +15,7 @@ from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
 from bearing_twin.assets.parameters import twin as twin_parameters
 from bearing_twin.dynamics.fleet.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.mcap.mcapfile import refuse_special
 import yaml
 
 if TYPE_CHECKING:
@@ -101,11 +102,13 @@ class _EachOnce(yaml.SafeLoader):
 
 def _table(path: str) -> dict[Any, Any]:
     try:
+        refuse_special(Path(path))
         content = yaml.load(Path(path).read_text(encoding='utf-8'), _EachOnce)
     except OSError as error:
         msg = f'{path} cannot be read: {error.strerror}'
         raise BearingTwinError(msg) from None
-    except (UnicodeDecodeError, yaml.YAMLError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        # Other bytes than UTF-8 and a date that does not exist are a ValueError.
         msg = f'{path} is no YAML: {error}'
         raise BearingTwinError(msg) from None
     table = content.get('assets') if isinstance(content, dict) else None
@@ -127,7 +130,11 @@ def _asset(path: str, name: Any, parts: Any) -> Asset:
         if not isinstance(values or {}, dict):
             msg = f"{path}: asset '{name}': {part} must be a table of parameters"
             raise BearingTwinError(msg)
-        chosen[part] = _flat(values or {})
+        try:
+            chosen[part] = _flat(values or {})
+        except RecursionError:
+            msg = f"{path}: asset '{name}': a table in {part} holds itself; write its values"
+            raise BearingTwinError(msg) from None
     return Asset(str(name), chosen['twin'], chosen['diagnosis'])
 
 

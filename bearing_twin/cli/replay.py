@@ -147,8 +147,10 @@ def _parameters(words: list[str]) -> dict[str, Any]:
             msg = f'{word!r} does not read NAME=VALUE'
             raise BearingTwinError(msg)
         try:
-            values[name] = yaml.safe_load(text)
-        except yaml.YAMLError as error:
-            msg = f'{word!r} cannot be read: {error}'
+            # YAML reads nothing as null; here it is an empty text.
+            values[name] = yaml.safe_load(text) if text else ''
+        except (yaml.YAMLError, ValueError, RecursionError) as error:
+            # A date that does not exist is a ValueError, and deep nesting a RecursionError.
+            msg = f'{word[:80]!r} cannot be read: {error}'
             raise BearingTwinError(msg) from None
     return values

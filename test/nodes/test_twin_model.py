@@ -5,6 +5,7 @@
 import dataclasses
 from dataclasses import fields, replace
 import math
+import os
 
 import pytest
 
@@ -13,6 +14,7 @@ pytest.importorskip('rclpy')
 from bearing_twin.assets.fleet import read_assets
 from bearing_twin.assets.parameters.spec import configuration
 from bearing_twin.assets.parameters.twin import build_parameters, SPECS
+from bearing_twin.cli import main
 from bearing_twin.dynamics import Defect, preset, presets, TwinParameters
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.errors import BearingTwinError
@@ -246,6 +248,9 @@ def test_a_file_of_assets_takes_nested_tables(tmp_path):
         ('pümp: {twin: {}}', 'no ROS namespace'),
         ('pump: {1: 2, twin: {}}', 'may have twin and diagnosis, not 1'),
         ('pump: {}', 'may have twin and diagnosis, not no table'),
+        ('pump: {twin: {note: 2026-13-45}}', 'month must be in 1..12'),
+        ('pump: ' + '[' * 3000, 'is no YAML'),
+        ('pump: {twin: &twin {beta0: *twin}}', 'a table in twin holds itself'),
     ],
 )
 def test_no_asset_is_lost_or_taken_by_half(tmp_path, text, said):
@@ -253,6 +258,32 @@ def test_no_asset_is_lost_or_taken_by_half(tmp_path, text, said):
     path.write_text(f'assets:\n  {text}\n', encoding='utf-8')
     with pytest.raises(BearingTwinError, match=said):
         read_assets(str(path), [])
+
+
+@pytest.mark.parametrize('name', ['pipe', 'x' * 300, '.', '/dev/zero'])
+def test_a_file_of_assets_is_a_file(name, tmp_path):
+    os.mkfifo(tmp_path / 'pipe')
+    with pytest.raises(BearingTwinError, match=r'no file but a pipe|cannot be read: (Is a|File)'):
+        read_assets(str(tmp_path / name), [])
+
+
+@pytest.mark.parametrize(
+    ('given', 'said'),
+    [
+        ('load=2026-13-45', "'load=2026-13-45' cannot be read: month must be in 1..12"),
+        ('load=' + '[' * 3000, "'load=[[["),
+        ('load=1,5', "load='1,5' must be of type float; write a decimal point and no unit"),
+        ('seed=5 ', 'is not overwritten'),
+        ('defect=', 'is not overwritten'),
+    ],
+)
+def test_a_parameter_of_an_offline_run_is_read_or_refused(given, said, tmp_path, capsys):
+    source, target = tmp_path / 'schedule.mcap', tmp_path / 'run'
+    write_temperature_recording(source, [0.0, 0.1], [20.0, 20.0], source='test')
+    target.touch()
+    words = ['replay', '--offline', str(source), '-o', str(target), '--twin', given]
+    assert main(words) == 1
+    assert said in capsys.readouterr().err
 
 
 def test_an_offline_run_takes_one_of_several_temperatures(tmp_path):

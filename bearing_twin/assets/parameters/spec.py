@@ -53,9 +53,15 @@ class Spec(Quantity):
         texts = not isinstance(value, list) or all(isinstance(item, str) for item in value)
         if type(value) is not kind or not texts:
             wanted = 'list of str' if kind is list else kind.__name__
-            # The shell removes one pair of quotes, YAML the other.
-            hint = f'; quote a text twice: {self.name}:="\'{value}\'"' if kind is str else ''
-            msg = f'{self.name}={value!r} must be of type {wanted}{hint}'
+            hints = {
+                # The shell removes one pair of quotes, YAML the other.
+                str: f'quote a text twice: {self.name}:="\'{value}\'"',
+                float: 'write a decimal point and no unit',
+                int: 'write digits alone',
+                bool: 'write true or false',
+                list: 'write ["a", "b"]',
+            }
+            msg = f'{self.name}={value!r} must be of type {wanted}; {hints[kind]}'
             raise BearingTwinError(msg)
         self.check(self.name, value)
         return value

@@ -95,7 +95,10 @@ def show_in_browser(
     except (OSError, OverflowError, TypeError, ValueError) as error:
         # Besides OSError: a port above 65535, an address that is not text or too long.
         reason = getattr(error, 'strerror', None) or error
-        msg = f'{address}:{web_port} cannot be served ({reason}); choose another --web-port'
+        msg = (
+            f'{address}:{web_port} cannot be served ({reason}); choose another --web-port or '
+            '--address'
+        )
         raise BearingTwinError(msg) from None
     servers = [source for source in sources if '://' in source]
     shown = address if address not in ('0.0.0.0', '::') else socket.gethostname()
@@ -122,7 +125,7 @@ def _served(server: subprocess.Popen[bytes], count: int) -> set[int]:
         if len(ports := {*listening(server.pid)}) >= count:
             return ports
         time.sleep(POLL)
-    msg = 'the viewer serves no page; choose another --web-port'
+    msg = 'the viewer serves no page; choose another --web-port or --address'
     raise BearingTwinError(msg)
 
 
