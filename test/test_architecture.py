@@ -43,7 +43,7 @@ DYNAMICS = (
     'fleet',
     'trend',
     'reference',
-    'warming',
+    'compilation',
 )
 """The same for the rooms of the dynamics and the files beside them."""
 
@@ -62,7 +62,7 @@ DIAGNOSIS = (
     'record',
     'streaming',
     'series',
-    'warming',
+    'compilation',
 )
 """The same for the rooms of the diagnosis and the files beside them."""
 

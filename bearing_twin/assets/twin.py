@@ -19,7 +19,7 @@ from bearing_twin.assets.parameters.twin import (
 )
 from bearing_twin.assets.twin_messages import ACCELERATION, TwinBlock
 from bearing_twin.dynamics.defect_text import defect_places
-from bearing_twin.dynamics.saved import Envelope
+from bearing_twin.dynamics.saved import StateFormat
 from bearing_twin.dynamics.single.successor import successor
 from bearing_twin.streams.vibration_input import Inputs
 import numpy as np
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from bearing_twin_msgs.msg import Checkpoint
 
 
-_SAVED = Envelope(b'BTfit\x00\x01\x00', struct.Struct('<?4I'), 'one fitted twin')
+_SAVED = StateFormat(b'BTfit\x00\x01\x00', struct.Struct('<?4I'), 'one fitted twin')
 """Whether the calibration changes at the next block, and the sizes of simulator state,
 calibration, sensor state and next calibration, bytes."""
 
@@ -201,7 +201,7 @@ class Twin(TwinChannel):
             self.sensor.save() if self.sensor else b'',
             self._next.text.encode() if self._next else b'',
         ]
-        return _SAVED.seal((self._changing, *map(len, parts)), b''.join(parts))
+        return _SAVED.pack((self._changing, *map(len, parts)), b''.join(parts))
 
     def load(self, state: bytes) -> None:
         """
@@ -215,7 +215,7 @@ class Twin(TwinChannel):
         """
         changing, parts = False, [bytes(state), b'', b'', b'']
         if parts[0].startswith(_SAVED.magic):
-            (changing, *sizes), body = _SAVED.open(parts[0])
+            (changing, *sizes), body = _SAVED.unpack(parts[0])
             ends = np.cumsum([0, *sizes])
             parts = [body[a:b] for a, b in pairwise(ends)]
         fitted, following = (

@@ -15,11 +15,11 @@ from functools import partial
 import time
 from typing import TYPE_CHECKING
 
+from bearing_twin.dynamics.compilation import warm_up
 from bearing_twin.dynamics.fleet.fleet import Fleet
 from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.reference import Reference, solve
 from bearing_twin.dynamics.single.simulator import Simulator
-from bearing_twin.dynamics.warming import warm_up
 import numpy as np
 
 if TYPE_CHECKING:

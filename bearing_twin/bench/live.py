@@ -12,9 +12,9 @@ import time
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
-from bearing_twin.diagnosis import warming as diagnosis_kernels
+from bearing_twin.diagnosis import compilation as diagnosis_kernels
+from bearing_twin.dynamics import compilation as kernels
 from bearing_twin.dynamics import Fleet, preset
-from bearing_twin.dynamics import warming as kernels
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.nodes.fleet import BLOCK
 from bearing_twin.recording.reader import read_messages

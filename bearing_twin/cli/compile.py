@@ -8,8 +8,8 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis import warming as diagnosis
-from bearing_twin.dynamics import warming as dynamics
+from bearing_twin.diagnosis import compilation as diagnosis
+from bearing_twin.dynamics import compilation as dynamics
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.numerics.compiled import (
     cache_folder,

@@ -9,12 +9,12 @@ once). The modules beside them hold the parameters of a twin, presets, limits an
 solution.
 """
 
+from bearing_twin.dynamics.compilation import warm_up
 from bearing_twin.dynamics.fleet.fleet import Fleet, FleetBlock
 from bearing_twin.dynamics.parameters import Defect, TwinParameters
 from bearing_twin.dynamics.presets import preset, PRESETS
 from bearing_twin.dynamics.single.condition import Condition
 from bearing_twin.dynamics.single.simulator import Block, Simulator
-from bearing_twin.dynamics.warming import warm_up
 
 __all__ = [
     'PRESETS',

@@ -34,7 +34,7 @@ class Limit(IntFlag):
     SKIDDING = 32
 
 
-class Passed(NamedTuple):
+class ExceededLimits(NamedTuple):
     """Limits that are exceeded."""
 
     which: Limit
@@ -42,7 +42,7 @@ class Passed(NamedTuple):
     """One sentence per limit, with value, limit and consequence."""
 
 
-class Strain(NamedTuple):
+class OperatingPoint(NamedTuple):
     """Loads of a bearing and the quantities that limit them."""
 
     load: float
@@ -59,29 +59,31 @@ class Strain(NamedTuple):
     """Viscosity ratio."""
     shaft_hz: float
     """Shaft speed, Hz; at rest the limit of the film does not apply."""
-    left: float
+    thermal_clearance: float
     """Radial clearance at the ring temperatures, m."""
-    used: float
+    model_clearance: float
     """Radial clearance that the model uses, m."""
-    apart: float
+    ring_difference: float
     """Inner minus outer ring temperature, K."""
     skids: bool
     """Whether the drag of the oil exceeds the traction of the balls."""
 
 
-_NOTHING = Passed(Limit(0), ())
+_NOTHING = ExceededLimits(Limit(0), ())
 _LIFE_LOAD, _STATIC_LOAD, _PRESSURE, _FILM, _CLEARANCE, _SKIDDING = (int(each) for each in Limit)
 
 
-def which_limits(strain: Strain) -> int:
+def which_limits(point: OperatingPoint) -> int:
     """
     Return the exceeded limits as bits of `Limit`; can be compiled.
 
-    >>> which_limits(Strain(7.5e3, 7.5e3, 14e3, 7850.0, 2e9, 1.0, 25.0, 5e-6, 5e-6, 0.0, False))
+    >>> clearances = 5e-6, 5e-6
+    >>> point = OperatingPoint(7.5e3, 7.5e3, 14e3, 7850.0, 2e9, 1.0, 25.0, *clearances, 0.0, False)
+    >>> which_limits(point)
     1
 
     """
-    of, bits = strain, 0
+    of, bits = point, 0
     if of.equivalent > 0.5 * of.dynamic_rating:
         bits |= _LIFE_LOAD
     if of.equivalent > of.static_rating:
@@ -90,28 +92,28 @@ def which_limits(strain: Strain) -> int:
         bits |= _PRESSURE
     if of.shaft_hz > 0.0 and of.kappa < LEAST_KAPPA:
         bits |= _FILM
-    if of.left != of.used:
+    if of.thermal_clearance != of.model_clearance:
         bits |= _CLEARANCE
     if of.skids:
         bits |= _SKIDDING
     return bits
 
 
-def limits_passed(strain: Strain, bits: int) -> Passed:
+def exceeded_limits(point: OperatingPoint, bits: int) -> ExceededLimits:
     """
     Return the limits in ``bits``, see `which_limits`, with a sentence for each.
 
     Examples
     --------
-    >>> strain = Strain(7.5e3, 7.5e3, 14e3, 7850.0, 2e9, 1.0, 25.0, 5e-6, 5e-6, 0.0, False)
-    >>> limits_passed(strain, which_limits(strain)).sentences[0]
+    >>> point = OperatingPoint(7.5e3, 7.5e3, 14e3, 7850.0, 2e9, 1.0, 25.0, 5e-6, 5e-6, 0.0, False)
+    >>> exceeded_limits(point, which_limits(point)).sentences[0]
     'no life: the load of 7.5 kN exceeds half the dynamic rating of 14 kN, where ISO 281 ends'
 
     """
     if not bits:
         return _NOTHING
-    load, equivalent, dynamic_rating, static_rating, pressure, kappa, shaft_hz = strain[:7]
-    left, used, apart, _ = strain[7:]
+    load, equivalent, dynamic_rating, static_rating, pressure, kappa, shaft_hz = point[:7]
+    left, used, apart, _ = point[7:]
     pressed = f'the load of {load * 1e-3:g} kN'
     if not math.isclose(load, equivalent, rel_tol=0.05):
         pressed += f' (equivalent to {equivalent * 1e-3:.3g} kN with this clearance)'
@@ -131,4 +133,4 @@ def limits_passed(strain: Strain, bits: int) -> Passed:
         Limit.SKIDDING: f'the balls skid: a load of {load:g} N is too small at {shaft_hz:g} Hz '
         f'for this oil; the model goes on with a cage slip of {HIGHEST_SLIP:.0%}',
     }
-    return Passed(Limit(bits), tuple(text for limit, text in said.items() if limit & bits))
+    return ExceededLimits(Limit(bits), tuple(text for limit, text in said.items() if limit & bits))

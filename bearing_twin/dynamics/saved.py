@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Envelope of saved states: kind and version, checksum, and identity of the twin."""
+"""Format of saved states: kind and version, checksum, and identity of the twin."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ _CHECKSUM = 4
 
 
 @dataclass(frozen=True)
-class Envelope:
+class StateFormat:
     """
     Format of one kind of saved states: magic number, checksum, fixed-size fields and body.
 
     Examples
     --------
     >>> import struct
-    >>> envelope = Envelope(b'demo1', struct.Struct('<d'), 'a demo')
-    >>> envelope.open(envelope.seal([25.0], b'state'))
+    >>> demo = StateFormat(b'demo1', struct.Struct('<d'), 'a demo')
+    >>> demo.unpack(demo.pack([25.0], b'state'))
     ((25.0,), b'state')
 
     """
@@ -41,13 +41,13 @@ class Envelope:
     kind: str
     """Owner of the state, for error messages."""
 
-    def seal(self, fields: Sequence[Any], body: bytes) -> bytes:
+    def pack(self, fields: Sequence[Any], body: bytes) -> bytes:
         """Return the bytes of a saved state."""
         packed = self.fields.pack(*fields)
         checksum = zlib.crc32(body, zlib.crc32(packed))
         return self.magic + checksum.to_bytes(_CHECKSUM, 'little') + packed + body
 
-    def open(self, data: bytes) -> tuple[tuple[Any, ...], bytes]:
+    def unpack(self, data: bytes) -> tuple[tuple[Any, ...], bytes]:
         """
         Return fields and body of a saved state.
 

@@ -20,8 +20,8 @@ from bearing_twin.assets.parameters.spec import fixed
 from bearing_twin.assets.parameters.twin import build_parameters, build_simulator
 from bearing_twin.assets.twin import TwinChannel, TwinInputs
 from bearing_twin.assets.twin_messages import StateSchedule, TwinBlock, vibration_block
-from bearing_twin.diagnosis import warming as diagnosis
-from bearing_twin.dynamics import warming as dynamics
+from bearing_twin.diagnosis import compilation as diagnosis
+from bearing_twin.dynamics import compilation as dynamics
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.nodes.fleet_member import Member
 from bearing_twin.nodes.twin_services import TwinServices

@@ -133,7 +133,7 @@ def test_free_motion_decays_to_static_equilibrium():
     assert np.abs(simulator.advance(2560, 20.0, 0.0).y).max() < 1e-6
     pushed = simulator.state.copy()
     pushed['v'] = 0.0, -1e-3, 0.0, 0.0
-    simulator.adopt(pushed, simulator.next_sample)
+    simulator.continue_from(pushed, simulator.next_sample)
 
     def energy():
         inner, outer = simulator.state['v'][0].reshape(2, 2)

@@ -44,7 +44,7 @@ def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
 @pytest.mark.parametrize(
     'warm',
     [
-        'from bearing_twin.dynamics.warming import warm_up as warm',
+        'from bearing_twin.dynamics.compilation import warm_up as warm',
         'from bearing_twin.assets.twin import Twin\n'
         'from bearing_twin.assets.parameters.twin import SPECS\n'
         'warm = Twin({spec.name: spec.default for spec in SPECS}).warm_up',

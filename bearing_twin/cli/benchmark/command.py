@@ -29,8 +29,8 @@ from bearing_twin.bearing import Bearing, find_bearing, named_bearing, PLACES
 from bearing_twin.cli.benchmark.misled import ANSWERS, judge_misled, misled_rows
 from bearing_twin.cli.terminal import file_name, processes, progress, refuse_given
 from bearing_twin.diagnosis import diagnose_record
+from bearing_twin.diagnosis.compilation import warm_up
 from bearing_twin.diagnosis.rules.confidence import KINDS
-from bearing_twin.diagnosis.warming import warm_up
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.dataset import (
     dataset_bearing,

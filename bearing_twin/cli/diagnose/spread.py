@@ -47,7 +47,7 @@ def answers(
 
 
 def _on_cores(diagnose: _Diagnose, tasks: Sequence[Task], jobs: int) -> Iterator[dict[str, Any]]:
-    from bearing_twin.diagnosis.warming import warm_up
+    from bearing_twin.diagnosis.compilation import warm_up
 
     # Compiled or loaded once, where it is reported; else each process would do it again.
     warm_up()

@@ -87,7 +87,7 @@ def inputs(
 
 def settle(
     constants: Records,
-    alike: FloatArray,
+    isothermal: FloatArray,
     outer: float,
     hz: float,
     rings: FloatArray,
@@ -96,16 +96,16 @@ def settle(
     """
     Set the inner ring to its steady state; the module describes ``rings`` and ``drift``.
 
-    ``alike`` are the values of `coefficients.evaluate` with both rings at ``outer``, degC.
+    ``isothermal`` are the values of `coefficients.evaluate` with both rings at ``outer``, degC.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
     >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> alike = np.empty(coefficients.CONDITION_SIZE)
-    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
-    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
+    >>> isothermal = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, isothermal)
+    >>> settle(constants, isothermal, 60.0, 25.0, rings, drift)
     >>> rings.round(2).tolist()
     [63.34, 63.34]
     >>> round(1e6 * float(drift[0, coefficients.CLEARANCE]), 2)  # of the clearance, um
@@ -115,13 +115,13 @@ def settle(
     rings[:] = math.nan
     if constants[0].physical != 0.0:
         rings[:] = coefficients.inner_temperature(constants, outer, outer, hz, math.inf)
-    drift[0] = _difference(constants, alike, outer, rings[0], hz)
+    drift[0] = _difference(constants, isothermal, outer, rings[0], hz)
     drift[1] = 0.0
 
 
 def carry(
     constants: Records,
-    alike: FloatArray,
+    isothermal: FloatArray,
     outer: float,
     hz: float,
     rings: FloatArray,
@@ -131,32 +131,32 @@ def carry(
     """
     Recompute ``drift`` after a change of the constants, from the same ring temperatures.
 
-    ``alike`` as in :func:`settle`.
+    ``isothermal`` as in :func:`settle`.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
     >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> alike = np.empty(coefficients.CONDITION_SIZE)
-    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
-    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
+    >>> isothermal = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, isothermal)
+    >>> settle(constants, isothermal, 60.0, 25.0, rings, drift)
     >>> heavy = coefficients.constants_of(
     ...     preset('incipient', thermal_mode='physical', load=1000.0)
     ... )
-    >>> coefficients.evaluate(heavy, 60.0, 60.0, 25.0, alike)
-    >>> carry(heavy, alike, 60.0, 25.0, rings, drift, 2560)
+    >>> coefficients.evaluate(heavy, 60.0, 60.0, 25.0, isothermal)
+    >>> carry(heavy, isothermal, 60.0, 25.0, rings, drift, 2560)
     >>> rings.round(2).tolist()  # the ring goes on from where it was
     [63.34, 63.34]
 
     """
-    drift[0] = _difference(constants, alike, outer, rings[0], hz)
-    drift[1] = (_difference(constants, alike, outer, rings[1], hz) - drift[0]) / tick
+    drift[0] = _difference(constants, isothermal, outer, rings[0], hz)
+    drift[1] = (_difference(constants, isothermal, outer, rings[1], hz) - drift[0]) / tick
 
 
 def advance(
     constants: Records,
-    alike: FloatArray,
+    isothermal: FloatArray,
     outer: float,
     hz: float,
     rings: FloatArray,
@@ -167,18 +167,18 @@ def advance(
     """
     Advance the inner ring by one tick of ``seconds`` towards its thermal equilibrium.
 
-    ``alike`` as in :func:`settle`.
+    ``isothermal`` as in :func:`settle`.
 
     Examples
     --------
     >>> from bearing_twin.dynamics import preset
     >>> constants = coefficients.constants_of(preset('incipient', thermal_mode='physical'))
     >>> rings, drift = np.empty(2), np.empty((2, coefficients.INPUTS))
-    >>> alike = np.empty(coefficients.CONDITION_SIZE)
-    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, alike)
-    >>> settle(constants, alike, 60.0, 25.0, rings, drift)
-    >>> coefficients.evaluate(constants, 80.0, 80.0, 25.0, alike)
-    >>> advance(constants, alike, 80.0, 25.0, rings, drift, 2560, 0.1)
+    >>> isothermal = np.empty(coefficients.CONDITION_SIZE)
+    >>> coefficients.evaluate(constants, 60.0, 60.0, 25.0, isothermal)
+    >>> settle(constants, isothermal, 60.0, 25.0, rings, drift)
+    >>> coefficients.evaluate(constants, 80.0, 80.0, 25.0, isothermal)
+    >>> advance(constants, isothermal, 80.0, 25.0, rings, drift, 2560, 0.1)
     >>> rings.round(2).tolist()  # the outer ring is at 80 degC now, and the inner one follows
     [63.34, 63.61]
 
@@ -186,17 +186,17 @@ def advance(
     rings[0] = rings[1]
     rings[1] = coefficients.inner_temperature(constants, outer, rings[0], hz, seconds)
     drift[0] += drift[1] * tick
-    drift[1] = (_difference(constants, alike, outer, rings[1], hz) - drift[0]) / tick
+    drift[1] = (_difference(constants, isothermal, outer, rings[1], hz) - drift[0]) / tick
 
 
 @compiled()
 def _difference(
-    constants: Records, alike: FloatArray, outer: float, inner: float, hz: float
+    constants: Records, isothermal: FloatArray, outer: float, inner: float, hz: float
 ) -> FloatArray:
     """Return the change of the inputs due to the temperature ``inner`` of the inner ring."""
     apart = np.empty(coefficients.CONDITION_SIZE)
     coefficients.evaluate(constants, outer, inner, hz, apart)
-    return apart[: coefficients.INPUTS] - alike[: coefficients.INPUTS]
+    return apart[: coefficients.INPUTS] - isothermal[: coefficients.INPUTS]
 
 
 _advance = compiled()(advance)
@@ -219,11 +219,11 @@ def tick_one(
     ``was`` and ``now`` are outer ring temperature, degC, and shaft speed, Hz. ``values`` belong to
     ``was`` and are reused if the inputs have not changed.
     """
-    alike = values
+    isothermal = values
     if now != was:
-        alike = np.empty(coefficients.CONDITION_SIZE)
-        coefficients.evaluate(constants, now[0], now[0], now[1], alike)
-    _advance(constants, alike, now[0], now[1], rings, drift, tick, seconds)
+        isothermal = np.empty(coefficients.CONDITION_SIZE)
+        coefficients.evaluate(constants, now[0], now[0], now[1], isothermal)
+    _advance(constants, isothermal, now[0], now[1], rings, drift, tick, seconds)
 
 
 @compiled()

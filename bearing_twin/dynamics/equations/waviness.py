@@ -91,7 +91,7 @@ class Surfaces(NamedTuple):
     ball: int
     """Nodes of the track of a ball, which is `layout.SPIN_TURNS` turns long."""
     room: Any
-    """float32: output of `look_up`, padded to a multiple of `vector.L` balls; zeros before."""
+    """float32: output of `look_up_gaps`, padded to a multiple of `vector.L` balls; zero before."""
     places: Any
     """float32, (2, balls) flat: nodes by which each ball is ahead of ball 0, on each race."""
     begins: Any
@@ -221,7 +221,7 @@ def _held(number, count):
 
 
 @compiled(inline=True, fast=FAST)
-def under(table, begins, row, node, u, rate, ahead=None):
+def gap_at(table, begins, row, node, u, rate, ahead=None):
     """
     Return gap, m, and its rate, m/s, at the fraction ``u`` between two nodes; ``rate`` is nodes/s.
 
@@ -237,7 +237,7 @@ def under(table, begins, row, node, u, rate, ahead=None):
 
 
 @compiled()
-def with_own_work(surfaces):
+def with_own_room(surfaces):
     """Return a copy with its own ``room``, for use in parallel."""
     s = surfaces
     room = np.zeros_like(s.room)
@@ -245,7 +245,7 @@ def with_own_work(surfaces):
 
 
 @compiled(inline=True, fast=FAST)
-def look_up(surfaces, n_balls, phases, rates, room):
+def look_up_gaps(surfaces, n_balls, phases, rates, room):
     """
     Fill ``room`` with the gaps due to waviness, m, then their rates, m/s.
 
@@ -273,11 +273,11 @@ def look_up(surfaces, n_balls, phases, rates, room):
     for row in range(rows):
         node = outer_from + load(surfaces.places, row)
         node = chosen(node >= outer_turn, node - outer_turn, node)
-        gap, rate = under(table, begins, row, node, outer_u, outer_rate)
+        gap, rate = gap_at(table, begins, row, node, outer_u, outer_rate)
         node = inner_from + load(surfaces.places, rows + row)
         node = chosen(node >= inner_turn, node - inner_turn, node)
-        more, faster = under(table, begins, rows + row, node, inner_u, inner_rate)
+        more, faster = gap_at(table, begins, rows + row, node, inner_u, inner_rate)
         gap, rate = gap + more, rate + faster
-        more, faster = under(table, begins, 2 * rows + row, ball_from, ball_u, ball_rate)
+        more, faster = gap_at(table, begins, 2 * rows + row, ball_from, ball_u, ball_rate)
         store(room, row, gap + more)
         store(room, rows + row, rate + faster)

@@ -17,7 +17,7 @@ from bearing_twin.dynamics.equations.waviness import surfaces
 from bearing_twin.dynamics.fleet.kernel import advance_all
 from bearing_twin.dynamics.fleet.lanes import Lanes
 from bearing_twin.dynamics.parameters import check_speed
-from bearing_twin.dynamics.saved import Envelope, identity
+from bearing_twin.dynamics.saved import identity, StateFormat
 from bearing_twin.dynamics.single.condition import Condition, condition
 from bearing_twin.dynamics.single.simulator import Block, Simulator
 from bearing_twin.errors import BearingTwinError
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 Array = npt.NDArray[Any]
 
-_SAVED = Envelope(b'BFleet\x00\x07', struct.Struct('<dQIII'), 'a fleet')
+_SAVED = StateFormat(b'BFleet\x00\x07', struct.Struct('<dQIII'), 'a fleet')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,8 +216,8 @@ class Fleet:
             lanes.rings[index], self.next_sample % self._tick, self._tick
         )
         moved = lanes.motion(index, self.next_sample).view(float)
-        seen = np.concatenate([moved, self._inputs(index), lanes.values[index], [inner]])
-        return condition(lanes.equations(index, self._parameters[index]), seen)
+        snapshot = np.concatenate([moved, self._inputs(index), lanes.values[index], [inner]])
+        return condition(lanes.equations(index, self._parameters[index]), snapshot)
 
     def _inputs(self, index: int | slice) -> FloatArray:
         """Return the inputs of the equations at the next sample, of one or several bearings."""
@@ -283,7 +283,7 @@ class Fleet:
         self._shaft_hz[index] = simulator.shaft_hz
         moved = self._fresh(index, ours, seed=simulator.seed)
         rings = np.array([inner, inner]) if ours.thermal_mode == 'physical' else None
-        moved.adopt(simulator.state, self.next_sample, rings, simulator.inputs())
+        moved.continue_from(simulator.state, self.next_sample, rings, simulator.inputs())
         self._lanes.place(index, moved)
         self._lanes.fill_filters(index, simulator)
 
@@ -292,7 +292,7 @@ class Fleet:
         lanes = self._lanes
         carried = parameters.thermal_mode == 'physical' and not math.isnan(lanes.rings[index, 0])
         simulator = self._fresh(index, parameters, lanes.seed(index))
-        simulator.adopt(
+        simulator.continue_from(
             lanes.motion(index, self.next_sample), self.next_sample,
             lanes.rings[index] if carried else None,
             inputs if simulator.marks[1] == lanes.marks[index, 1] else None,
@@ -317,7 +317,7 @@ class Fleet:
             self.sample_rate, self.next_sample, len(self), self._lanes.most_balls,
             identity(self._parameters),
         )  # fmt: skip
-        return _SAVED.seal(fields, body)
+        return _SAVED.pack(fields, body)
 
     def load(self, data: bytes) -> None:
         """
@@ -330,7 +330,7 @@ class Fleet:
             unchanged.
 
         """
-        fields, body = _SAVED.open(data)
+        fields, body = _SAVED.unpack(data)
         rate, next_sample, size, n_balls, whose = fields
         parts = self._state()
         own = (self.sample_rate, len(self), self._lanes.most_balls, identity(self._parameters))

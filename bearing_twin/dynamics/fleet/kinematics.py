@@ -11,7 +11,7 @@ import math
 from bearing_twin.dynamics.equations.coefficients import INPUTS, SHAFT_HZ, SLIP
 from bearing_twin.dynamics.equations.layout import SPIN_TURNS
 from bearing_twin.dynamics.equations.model import defect_path, RECTANGLE
-from bearing_twin.dynamics.equations.waviness import REPEATED, under
+from bearing_twin.dynamics.equations.waviness import gap_at, REPEATED
 from bearing_twin.dynamics.fleet.layout import WAVE_STEPS
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.random import normal_pairs, WALK
@@ -210,7 +210,7 @@ def look_up_waves(tables, begins, starts, h, first_step, last_step, slots, waves
                     at = at + number * load(room, 9 + which)
                 at = at - nodes * floor(at / nodes)
                 node = floor(at)
-                more, faster = under(
+                more, faster = gap_at(
                     tables, firsts, 3 * slot + which, node, at - node, speed * per_step,
                     ahead * speed,
                 )  # fmt: skip

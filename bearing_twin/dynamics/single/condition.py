@@ -34,7 +34,7 @@ from bearing_twin.dynamics.equations.coefficients import (
     VISCOSITY,
 )
 from bearing_twin.dynamics.equations.layout import STATE
-from bearing_twin.dynamics.limits import Limit, limits_passed, Strain, which_limits
+from bearing_twin.dynamics.limits import exceeded_limits, Limit, OperatingPoint, which_limits
 from bearing_twin.dynamics.single import kernel
 from bearing_twin.numerics.compiled import compiled
 import numpy as np
@@ -49,9 +49,9 @@ FloatArray = npt.NDArray[np.float64]
 _TWO_PI = 2.0 * math.pi
 MOTION = STATE.itemsize // 8
 VALUES = MOTION + INPUTS
-"""Index of the first input, and of the first value of `evaluate`, in ``seen``."""
+"""Index of the first input, and of the first value of `evaluate`, in ``snapshot``."""
 SNAPSHOT_SIZE = VALUES + CONDITION_SIZE + 1
-"""Length of ``seen``, from which :func:`condition` computes a condition."""
+"""Length of ``snapshot``, from which :func:`condition` computes a condition."""
 _fault_orders = compiled()(fault_orders)
 _pressure_of = compiled()(pressure_of)
 _which_limits = compiled()(which_limits)
@@ -134,7 +134,7 @@ class Condition(NamedTuple):
     """Radial contact force of each ball, N."""
 
 
-def condition(equations: Equations, seen: FloatArray) -> Condition:
+def condition(equations: Equations, snapshot: FloatArray) -> Condition:
     """
     Compute the condition from the numbers recorded of a bearing at one instant.
 
@@ -142,7 +142,7 @@ def condition(equations: Equations, seen: FloatArray) -> Condition:
     ----------
     equations
         The bearing.
-    seen : float64[SNAPSHOT_SIZE]
+    snapshot : float64[SNAPSHOT_SIZE]
         State of motion, a record `layout.STATE` as numbers; inputs of the equations, which follow
         a quick change of temperature within a tick of `inner_ring`; values of
         `coefficients.evaluate` with both rings at the outer ring temperature; inner ring
@@ -155,35 +155,35 @@ def condition(equations: Equations, seen: FloatArray) -> Condition:
     1.011
 
     """
-    numbers, strain, passed, forces = _observed(equations, seen)
-    which, sentences = limits_passed(Strain._make(strain), passed)
+    numbers, point, passed, forces = _observed(equations, snapshot)
+    which, sentences = exceeded_limits(OperatingPoint._make(point), passed)
     return Condition._make((*numbers, which, sentences, forces))
 
 
 @compiled()
-def _observed(equations: Any, seen: FloatArray) -> Any:
+def _observed(equations: Any, snapshot: FloatArray) -> Any:
     """
     Compute everything except the sentences in one call.
 
-    Returns the numbers of a `Condition` and of a `Strain` in their order, the exceeded limits as
-    bits, and the forces of all balls. Plain tuples are returned faster than named ones.
+    Returns the numbers of a `Condition` and of an `OperatingPoint` in their order, the exceeded
+    limits as bits, and the forces of all balls. Plain tuples are returned faster than named ones.
     """
-    c, state = equations.constants[0], seen[:MOTION].view(STATE)
-    inputs, of = seen[MOTION:VALUES], seen[VALUES:-1].copy()
+    c, state = equations.constants[0], snapshot[:MOTION].view(STATE)
+    inputs, of = snapshot[MOTION:VALUES], snapshot[VALUES:-1].copy()
     if c.physical != 0.0:
-        at_rings(c, of[OUTER], seen[-1], of[SHAFT_HZ], of)
+        at_rings(c, of[OUTER], snapshot[-1], of[SHAFT_HZ], of)
     held = of[CLEARANCE]
     of[:INPUTS] = inputs
     # With a contact angle the contact force exceeds its radial component.
     pressed = highest_ball_force(equations.constants, of) / c.cosine
     inner, outer = equations.contacts
     pressure = max(_pressure_of(pressed, inner), _pressure_of(pressed, outer))
-    strain = (
+    point = (
         c.load, of[EQUIVALENT], c.dynamic_rating, c.static_rating, pressure, of[KAPPA],
         of[SHAFT_HZ], of[THERMAL_GAP], held, of[INNER] - of[OUTER],
         skids(equations.constants, of),
     )  # fmt: skip
-    passed = _which_limits(Strain(*strain))
+    passed = _which_limits(OperatingPoint(*point))
     hz, moved = of[SHAFT_HZ], state[0]
     bpfo, bpfi, bsf, ftf = _fault_orders(c, of[SLIP])
     numbers = (
@@ -193,4 +193,4 @@ def _observed(equations: Any, seen: FloatArray) -> Any:
         _TWO_PI * (moved.shaft % 1.0), _TWO_PI * (moved.cage % 1.0), _TWO_PI * (moved.spin % 1.0),
         moved.q[0] - moved.q[2], moved.q[1] - moved.q[3],
     )  # fmt: skip
-    return numbers, strain, passed, kernel.ball_forces(state, equations.tables, of)
+    return numbers, point, passed, kernel.ball_forces(state, equations.tables, of)

@@ -17,7 +17,7 @@ from bearing_twin.dynamics.equations.coefficients import INPUTS, K_B, SHAFT_HZ
 from bearing_twin.dynamics.equations.layout import CHUNK, COS, GAP, SIN, STEP
 from bearing_twin.dynamics.equations.model import Contact, contact_force
 from bearing_twin.dynamics.equations.statics import equilibrium
-from bearing_twin.dynamics.equations.waviness import with_own_work
+from bearing_twin.dynamics.equations.waviness import with_own_room
 from bearing_twin.dynamics.single.integrator import FAR, integrate, predict, ring_rates, Scratch
 from bearing_twin.dynamics.single.kinematics import (
     advance_steps,
@@ -294,7 +294,7 @@ def ball_forces(states: Records, tables: Tables, values: FloatArray) -> npt.NDAr
     """Return the contact force of each ball, N, float32[n_balls], for state and inputs."""
     state, machine = states[0], tables.machines[_LONG]
     # Own work array for the look-up: the simulator may run meanwhile.
-    aside = Tables(tables.machines, tables.defects, tables.balls, with_own_work(tables.surfaces))
+    aside = Tables(tables.machines, tables.defects, tables.balls, with_own_room(tables.surfaces))
     _, gaps = _instant(state, aside, values)
     forces = np.zeros(machine.n_balls, dtype=np.float32)
     x, y = state.q[0] - state.q[2], state.q[1] - state.q[3]

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from bearing_twin.bearing import PLACES
 from bearing_twin.dynamics.equations.layout import COS, GAP, GAP_RATE, LANES, SIN, SPIN_TURNS
 from bearing_twin.dynamics.equations.model import defect_path
-from bearing_twin.dynamics.equations.waviness import look_up
+from bearing_twin.dynamics.equations.waviness import look_up_gaps
 from bearing_twin.numerics.compiled import compiled, FAST
 
 _TWO_PI = 2.0 * math.pi
@@ -171,7 +171,7 @@ def place_balls(bearing, clearance, c, s, phases, rates, gaps, i):
     """
     balls, surfaces = bearing.balls, bearing.surfaces
     if surfaces.outer > 0:
-        look_up(surfaces, bearing.machine.n_balls, phases, rates, surfaces.room)
+        look_up_gaps(surfaces, bearing.machine.n_balls, phases, rates, surfaces.room)
     opened, rates_from = surfaces.room, surfaces.room.shape[0] // 2
     for group in range(0, balls.shape[1], LANES):
         for lane in range(LANES):

@@ -16,7 +16,7 @@ from bearing_twin.dynamics.equations.layout import CHUNK, STATE
 from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.equations.waviness import surfaces
 from bearing_twin.dynamics.parameters import check_speed
-from bearing_twin.dynamics.saved import Envelope, identity
+from bearing_twin.dynamics.saved import identity, StateFormat
 from bearing_twin.dynamics.single import kernel, objects
 from bearing_twin.dynamics.single.condition import (
     Condition,
@@ -54,7 +54,7 @@ _MOST_TURNS = 1e3
 them they go beyond a turn, and at very low speed jitter can move them backwards."""
 _LARGEST = 2.0**53
 """Limit of all numbers in a state. The largest is the integer whose bits are the loaded balls."""
-_SAVED = Envelope(b'BTwin\x00\x06\x00', struct.Struct('<dIQddIQII'), 'one bearing')
+_SAVED = StateFormat(b'BTwin\x00\x06\x00', struct.Struct('<dIQddIQII'), 'one bearing')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,17 +235,17 @@ class Simulator:
         temperature = check_temperature(temperature)
         shaft_hz = check_speed(shaft_hz)
         out, first = np.empty((2, n), dtype=np.float32), self.next_sample
-        seen = np.empty(SNAPSHOT_SIZE)
+        snapshot = np.empty(SNAPSHOT_SIZE)
         _advance(
             self._motion, self._temperature, self._shaft_hz, temperature, shaft_hz, self.faded,
-            self.seed, first, self.tick, self.tick / self.sample_rate, out, seen,
+            self.seed, first, self.tick, self.tick / self.sample_rate, out, snapshot,
         )  # fmt: skip
         self.next_sample += n
         self._temperature, self._shaft_hz = temperature, shaft_hz
-        return self._block(first, out, seen)
+        return self._block(first, out, snapshot)
 
-    def _block(self, first: int, out: npt.NDArray[np.float32], seen: FloatArray) -> Block:
-        describe = functools.partial(condition, self._equations, seen)
+    def _block(self, first: int, out: npt.NDArray[np.float32], snapshot: FloatArray) -> Block:
+        describe = functools.partial(condition, self._equations, snapshot)
         return Block(first_sample=first, x=out[0], y=out[1], describe=describe)
 
     def advance_all(
@@ -276,21 +276,22 @@ class Simulator:
             msg = f'{len(outer)} temperatures and {len(hz)} speeds; give one of each for a block'
             raise BearingTwinError(msg)
         count, first = len(outer), self.next_sample
-        out, seen = np.empty((count, 2, n), dtype=np.float32), np.empty((count, SNAPSHOT_SIZE))
+        out = np.empty((count, 2, n), dtype=np.float32)
+        snapshots = np.empty((count, SNAPSHOT_SIZE))
         _advance_all(
             self._motion, self._temperature, self._shaft_hz, outer, hz, self.faded, self.seed,
-            first, self.tick, self.tick / self.sample_rate, out, seen,
+            first, self.tick, self.tick / self.sample_rate, out, snapshots,
         )  # fmt: skip
         self.next_sample += count * n
         if count:
             self._temperature, self._shaft_hz = float(outer[-1]), float(hz[-1])
-        return [self._block(first + i * n, out[i], seen[i]) for i in range(count)]
+        return [self._block(first + i * n, out[i], snapshots[i]) for i in range(count)]
 
     def condition(self) -> Condition:
         """State at the next sample."""
-        seen = np.empty(SNAPSHOT_SIZE)
-        _take_snapshot(self._motion, self.faded, self.next_sample, self.tick, seen)
-        return condition(self._equations, seen)
+        snapshot = np.empty(SNAPSHOT_SIZE)
+        _take_snapshot(self._motion, self.faded, self.next_sample, self.tick, snapshot)
+        return condition(self._equations, snapshot)
 
     def save(self) -> bytes:
         """
@@ -309,7 +310,7 @@ class Simulator:
             self.sample_rate, self.seed, self.next_sample, self._temperature, self._shaft_hz,
             identity([self._parameters]), self.faded, *self.marks,
         )  # fmt: skip
-        return _SAVED.seal(fields, body.astype('<f8').tobytes())
+        return _SAVED.pack(fields, body.astype('<f8').tobytes())
 
     def load(self, data: bytes) -> None:
         """
@@ -322,7 +323,7 @@ class Simulator:
             geometry or thermal mode; the state is then unchanged.
 
         """
-        fields, body = _SAVED.open(data)
+        fields, body = _SAVED.unpack(data)
         rate, seed, next_sample, temperature, shaft_hz, whose, faded, *of = fields
         own = (self.sample_rate, identity([self._parameters]))
         sizes = [STATE.itemsize // 8, self.history.size, self.drift.size]
@@ -364,7 +365,7 @@ class Simulator:
             self._come_from(inputs if of[1] == self.marks[1] else None)
             self._start_motion()
 
-    def adopt(
+    def continue_from(
         self,
         state: Records,
         next_sample: int,
@@ -489,13 +490,13 @@ class Simulator:
 
 # The first arguments are objects of numba, whose fields mypy does not know.
 @compiled()
-def _take_snapshot(motion: Any, faded: int, at: int, tick: int, seen: FloatArray) -> None:
-    """Fill ``seen`` with the data of the condition at sample ``at``, see `condition`."""
+def _take_snapshot(motion: Any, faded: int, at: int, tick: int, snapshot: FloatArray) -> None:
+    """Fill ``snapshot`` with the data of the condition at sample ``at``, see `condition`."""
     since, behind = at % tick, motion.fade * min(at - faded, 0)
-    seen[:MOTION].view(STATE)[0] = motion.states[0]
-    seen[MOTION:VALUES] = inner_ring.inputs(motion.values, behind, motion.drift, since)
-    seen[VALUES:-1] = motion.values
-    seen[-1] = inner_ring.temperature(motion.rings, since, tick)
+    snapshot[:MOTION].view(STATE)[0] = motion.states[0]
+    snapshot[MOTION:VALUES] = inner_ring.inputs(motion.values, behind, motion.drift, since)
+    snapshot[VALUES:-1] = motion.values
+    snapshot[-1] = inner_ring.temperature(motion.rings, since, tick)
 
 
 @compiled()
@@ -511,7 +512,7 @@ def _advance(
     tick: int,
     seconds: float,
     out: npt.NDArray[np.float32],
-    seen: FloatArray,
+    snapshot: FloatArray,
 ) -> None:
     """
     Advance a bearing and its inner ring through a block, from tick to tick.
@@ -549,7 +550,7 @@ def _advance(
                 constants, begin, was, now, motion.rings, motion.drift, tick, seconds
             )
     motion.values[:] = end
-    _take_snapshot(motion, faded, first + n, tick, seen)
+    _take_snapshot(motion, faded, first + n, tick, snapshot)
 
 
 @compiled()
@@ -565,13 +566,13 @@ def _advance_all(
     tick: int,
     seconds: float,
     out: npt.NDArray[np.float32],
-    seen: FloatArray,
+    snapshots: FloatArray,
 ) -> None:
     """Call `_advance` for consecutive blocks; the first array axis is the block."""
     for i in range(out.shape[0]):
         _advance(
             motion, was_temperature, was_hz, temperatures[i], speeds[i], faded, seed,
-            first + i * out.shape[2], tick, seconds, out[i], seen[i],
+            first + i * out.shape[2], tick, seconds, out[i], snapshots[i],
         )  # fmt: skip
         was_temperature, was_hz = temperatures[i], speeds[i]
 

@@ -57,10 +57,10 @@ def successor(simulator: Simulator, parameters: TwinParameters) -> tuple[Simulat
     now, state = new.condition(), new.state.copy()
     for name, hz in zip(_PHASES, (shaft_hz, now.ftf, now.bsf), strict=True):
         state[name] = simulator.state[name] - n / rate * hz
-    new.adopt(state, simulator.next_sample, rings)
+    new.continue_from(state, simulator.next_sample, rings)
     before = new.advance(n, temperature, shaft_hz)
     state = new.state.copy()
     for name in _PHASES:
         state[name] = simulator.state[name]
-    new.adopt(state, simulator.next_sample, rings)
+    new.continue_from(state, simulator.next_sample, rings)
     return new, before
