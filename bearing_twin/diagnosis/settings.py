@@ -52,10 +52,10 @@ class DiagnosisSettings:
         'a series.', '', 1, 10_000,
     )  # fmt: skip
     power_group: int = quantity(
-        0, 'Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW; 0: no zone.', '', 0, 2
+        0, 'Group of ISO 20816-3: 1 above 300 kW, 2 for 15 to 300 kW; 0: not known.', '', 0, 2
     )
     mounting: str = quantity(
-        '', "Foundation of the machine for the zone of ISO 20816-3; '': no zone.",
+        '', "Foundation of the machine for the zone of ISO 20816-3; '': not known.",
         choices=('', 'rigid', 'flexible'),
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ from bearing_twin.streams.vibration_input import (
     SOURCE_SIMULATED,
     SOURCE_UNKNOWN,
 )
-from bearing_twin.view.trends import ZONE_D_ANY_MACHINE, zone_limits
+from bearing_twin.view.trends import zone_limits
 
 if TYPE_CHECKING:
     from bearing_twin.view.trends import Limit
@@ -33,7 +33,7 @@ class Source:
         self._twin = ''
         self.frame = ''
         """``frame_id`` of the vibration: the sensor."""
-        self.zones: tuple[Limit, ...] = (ZONE_D_ANY_MACHINE,)
+        self.zones: tuple[Limit, ...] = zone_limits()
         """Velocities in mm/s at which the zones of the machine begin."""
         self._sources: set[int] = set()
 

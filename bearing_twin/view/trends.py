@@ -9,7 +9,7 @@ import math
 from typing import Any, NamedTuple
 
 from bearing_twin.diagnosis.machine.level import FAULT_DB, SUSPECT_DB
-from bearing_twin.diagnosis.signal.severity import HIGHEST_LIMIT, ISO_LIMITS
+from bearing_twin.diagnosis.signal.severity import ISO_LIMITS, least_limits
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 import numpy as np
@@ -81,30 +81,31 @@ class Limit(NamedTuple):
 
 
 ZERO = Limit('zero', 0.0, look='ground')
-ZONE_D_ANY_MACHINE = Limit(f'zone D of every machine above {HIGHEST_LIMIT:g}', HIGHEST_LIMIT, 'D')
 
 
-def zone_limits(power_group: object, mounting: object) -> tuple[Limit, ...]:
+def zone_limits(power_group: object = 0, mounting: object = '') -> tuple[Limit, ...]:
     """
-    Return the velocities in mm/s at which the zones of ISO 20816-3 begin.
+    Return the velocities in mm/s above which a machine is at least in a zone of ISO 20816-3.
 
-    If group or mounting is not known: only the limit of zone D for every machine.
+    If group or mounting is not known: only the limits of zones C and D.
 
     Examples
     --------
     >>> [(limit.mark, limit.value) for limit in zone_limits(2, 'rigid')]
     [('B', 1.4), ('C', 2.8), ('D', 4.5)]
-    >>> [(limit.mark, limit.value) for limit in zone_limits(0, '')]
-    [('D', 11.0)]
+    >>> [limit.label for limit in zone_limits()]
+    ['zone C of every machine above 7.1', 'zone D of every machine above 11']
 
     """
     # Compared, not looked up: values in a recording may be unhashable.
-    limits = next((v for key, v in ISO_LIMITS.items() if key == (power_group, mounting)), None)
-    if limits is None:
-        return (ZONE_D_ANY_MACHINE,)
+    if not any(power_group in (0, group) and mounting in ('', m) for group, m in ISO_LIMITS):
+        power_group, mounting = 0, ''
+    of = '' if power_group or mounting else ' of every machine'
+    limits = zip('BCD', least_limits(power_group, mounting), strict=True)
     return tuple(
-        Limit(f'zone {zone} above {value:g}', value, zone)
-        for zone, value in zip('BCD', limits, strict=True)
+        Limit(f'zone {zone}{of} above {value:g}', value, zone)
+        for zone, value in limits
+        if zone != 'B' or (power_group and mounting)
     )
 
 

@@ -366,7 +366,8 @@ def test_severity_of_a_sine():
 
 def test_iso_zones_of_group_1_flexible():
     assert [iso_zone(v, 1, 'flexible') for v in (3.5, 3.6, 7.2, 11.5)] == list('ABCD')
-    assert iso_zone(5.0, 0, 'flexible') == ''
+    assert [iso_zone(v, 0, 'flexible') for v in (5.0, 7.2, 11.5)] == ['', 'C', 'D']
+    assert [iso_zone(v, 0, '') for v in (5.0, 7.2, 11.5)] == ['', '', '']
     assert fault_orders(find_bearing('6205')).bpfi == pytest.approx(5.4152, abs=1e-3)
 
 

@@ -232,7 +232,7 @@ def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_p
 
 
 @pytest.mark.parametrize(
-    ('zone', 'velocity', 'decides'), [('D', 8.0, True), ('', 12.0, True), ('', 8.0, False)]
+    ('zone', 'velocity', 'decides'), [('D', 8.0, True), ('', 12.0, True), ('', 7.0, False)]
 )
 def test_a_velocity_that_decides_is_drawn_beside_what_decides(recording, zone, velocity, decides):
     (machine,) = machines_of(recording).values()

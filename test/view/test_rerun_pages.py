@@ -29,13 +29,13 @@ def test_a_velocity_with_a_zone_is_on_the_first_page_too(recording, tmp_path, zo
         kind = 'bearing_twin_msgs/msg/Checkpoint'
         logger.log('/diagnosis_checkpoint', kind, checkpoint, first)
         for message in read_messages(recording, topics=['/diagnosis']):
-            made = replace(message.decode(), iso_zone=zone, velocity_rms=8.0)
+            made = replace(message.decode(), iso_zone=zone, velocity_rms=7.0)
             logger.log(message.topic, message.type_name, made, message.log_time)
     assert logger.problems == {}
     assert sum(name.startswith('Velocity') for name in view_names(rrd)) == views
     entities = {str(chunk.entity_path) for chunk in RrdReader(rrd).stream()}
     limits = {name.rpartition('/')[2] for name in entities if 'velocity/limit' in name}
-    assert limits == ({'0', '1.4', '2.8', '4.5'} if zone else {'0', '11'})
+    assert limits == ({'0', '1.4', '2.8', '4.5'} if zone else {'0', '7.1', '11'})
 
 
 def test_a_twin_beside_its_machine_is_no_second_bearing(recording, tmp_path):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.machine.dependence import Z90
-from bearing_twin.diagnosis.signal.severity import HIGHEST_LIMIT
+from bearing_twin.diagnosis.signal.severity import ZONE_C_OF_ALL, ZONE_D_OF_ALL
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
@@ -56,7 +56,7 @@ def is_urgent(level: str, velocity_rms: float, stage: int = 0) -> bool:
     (False, True, True)
 
     """
-    return (level == 'fault' and stage not in (1, 2)) or velocity_rms > HIGHEST_LIMIT
+    return (level == 'fault' and stage not in (1, 2)) or velocity_rms > ZONE_D_OF_ALL
 
 
 def with_required_level(diagnosis: Diagnosis) -> Diagnosis:
@@ -167,24 +167,25 @@ def by_zone(severity: Severity) -> tuple[str, str]:
     """
     Return the level that the velocity RMS requires, and the reason; 'none' if it requires none.
 
-    If power group or mounting are not known, a velocity in zone D of all of them is suspect and no
-    alarm: the standard may not apply to the machine.
+    If neither power group nor mounting is known, a velocity in zone C or D of all of them is
+    suspect and no alarm: the standard may not apply to the machine.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.report import insufficient
     >>> severity = insufficient(['too short'], find_bearing('6307')).severity
     >>> by_zone(replace(severity, iso_zone='C'))
     ('suspect', 'zone C of ISO 20816-3')
-    >>> by_zone(replace(severity, velocity_rms=15.0))[0], by_zone(severity)[0]
+    >>> by_zone(replace(severity, velocity_rms=8.0))[0], by_zone(severity)[0]
     ('suspect', 'none')
 
     """
     zone = severity.iso_zone
     if zone in ('C', 'D'):
         return ('suspect' if zone == 'C' else 'fault'), f'zone {zone} of ISO 20816-3'
-    if not zone and severity.velocity_rms > HIGHEST_LIMIT:
+    if not zone and severity.velocity_rms > ZONE_C_OF_ALL:
+        worst = 'D' if severity.velocity_rms > ZONE_D_OF_ALL else 'C or D'
         return 'suspect', (
-            f'a velocity of {severity.velocity_rms:.0f} mm/s, zone D in each group of ISO 20816-3 '
-            '(power_group and mounting tell whether it is one),'
+            f'a velocity of {severity.velocity_rms:.3g} mm/s, zone {worst} in each group of '
+            'ISO 20816-3 (power_group and mounting tell which),'
         )
     return 'none', ''

@@ -34,8 +34,9 @@ ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
 }
 """Zone boundaries A/B, B/C, C/D in mm/s of velocity RMS by (group, mounting), ISO 20816-3:2022."""
 
-HIGHEST_LIMIT = max(limits[-1] for limits in ISO_LIMITS.values())
-"""Velocity RMS above which a machine is in zone D in every group and mounting, mm/s."""
+_, ZONE_C_OF_ALL, ZONE_D_OF_ALL = map(max, *ISO_LIMITS.values())
+"""Velocity RMS above which a machine is in zone C or worse, and in zone D, in every group and
+mounting, mm/s."""
 
 SLOW_HZ = 10.0
 """Shaft speed below which the velocity of ISO 20816-3 is from 2 Hz on, Hz."""
@@ -50,16 +51,41 @@ of 0.1 s depends on the shaft angle at its start."""
 
 def iso_zone(velocity_rms: float, power_group: int, mounting: str) -> str:
     """
-    Return the zone ``'A'``..``'D'`` of ISO 20816-3; empty if group, mounting or level is unknown.
+    Return the zone ``'A'``..``'D'`` of ISO 20816-3; empty if it is not known.
 
-    >>> iso_zone(3.0, 2, 'rigid'), iso_zone(3.0, 0, '')
-    ('C', '')
+    If only group or mounting is known, the machine is at least in the better of two zones: this
+    one is returned if it is C or D.
+
+    >>> iso_zone(3.0, 2, 'rigid'), iso_zone(3.0, 0, ''), iso_zone(3.0, 2, '')
+    ('C', '', '')
+    >>> iso_zone(5.0, 2, ''), iso_zone(8.0, 2, '')
+    ('C', 'D')
 
     """
-    limits = ISO_LIMITS.get((power_group, mounting))
-    if limits is None or not math.isfinite(velocity_rms):
+    if not (power_group or mounting) or not math.isfinite(velocity_rms):
         return ''
-    return 'ABCD'[sum(velocity_rms > limit for limit in limits)]
+    limits = least_limits(power_group, mounting)
+    zone = 'ABCD'[sum(velocity_rms > limit for limit in limits)]
+    return zone if (power_group and mounting) or zone in 'CD' else ''
+
+
+def least_limits(power_group: object, mounting: object) -> tuple[float, float, float]:
+    """
+    Return the velocities in mm/s above which a machine is at least in zone B, C and D.
+
+    Group 0 and mounting '' are not known: then a limit is the highest of the possible ones.
+
+    >>> least_limits(2, 'rigid'), least_limits(2, ''), least_limits(0, '')
+    ((1.4, 2.8, 4.5), (2.3, 4.5, 7.1), (3.5, 7.1, 11.0))
+
+    """
+    possible = (
+        limits
+        for (group, stands), limits in ISO_LIMITS.items()
+        if power_group in (0, group) and mounting in ('', stands)
+    )
+    b, c, d = (max(limits) for limits in zip(*possible, strict=True))
+    return b, c, d
 
 
 @dataclass(frozen=True, kw_only=True)
