@@ -8,6 +8,7 @@ from io import BytesIO
 import math
 import pickle
 from typing import Any, TYPE_CHECKING
+import warnings
 import zipfile
 import zlib
 
@@ -85,6 +86,19 @@ def test_mat_of_version_4(tmp_path: Path) -> None:
     path = tmp_path / 'old.mat'
     savemat(path, {'x': X, 'fs': 8000.0}, format='4')
     np.testing.assert_array_equal(read_signal(path).x, X)
+
+
+@pytest.mark.parametrize(('dtype', 'bits'), [('f4', 0x7FA00000), ('f8', 0x7FF4000000000000)])
+def test_damaged_samples_of_a_wav_are_nan_without_a_warning(
+    tmp_path: Path, dtype: str, bits: int
+) -> None:
+    samples = np.zeros(100, dtype)
+    samples.view(dtype.replace('f', 'u'))[7] = bits
+    wavfile.write(tmp_path / 'a.wav', 25600, samples)
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        found = read_signal(tmp_path / 'a.wav')
+    assert np.flatnonzero(np.isnan(found.x)).tolist() == [7]
 
 
 @pytest.mark.parametrize(

@@ -247,7 +247,9 @@ def _read_wav(path: Path) -> dict[str, Any]:
 def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
     count = wav['table'].shape[1]
     index = _index(channel or '0', count, f'{path}: channel')
-    x = (real_numbers('x', wav['table'][:, index]) - wav['offset']) / wav['scale']
+    # Damaged bytes may be signalling NaN, which would warn.
+    with np.errstate(invalid='ignore'):
+        x = (wav['table'][:, index].astype(np.float64) - wav['offset']) / wav['scale']
     where = f', channel {index}'
     if channel is None and count > 1:
         where += f' (there is also {", ".join(map(str, range(1, min(count, 11))))})'
