@@ -86,7 +86,7 @@ def share(number: int, *, damaged: bool) -> float | None:
     x, rate, bearing, shaft_hz = record(number, damaged=damaged)
     analysis = Excerpt.of(x, shaft_hz, rate, bearing, DiagnosisSettings()).analyse()
     window = analysis.window
-    if window is None or analysis.alone.rule not in ('low_lines', 'no_comb'):
+    if window is None or analysis.alone.rule not in ('low_lines', 'faint_comb', 'no_comb'):
         return None
     hertz = window.speed.shaft_hz
     outer_hz = fault_orders(bearing).bpfo * hertz

@@ -159,16 +159,27 @@ def low_lines(e: Evidence) -> Verdict | None:
     return no_statement(e, text)
 
 
-@rule('healthy', 'No comb is both significant and strong.', faint=True)
-def no_comb(e: Evidence) -> Verdict | None:
-    text = (
-        f'no fault comb above a significance of {Z_FAULT:g} with modulation index '
-        f'{INDEX_SUSPECT:g}'
-    )
+_HEALTHY = (
+    f'no fault comb above a significance of {Z_FAULT:g} with modulation index {INDEX_SUSPECT:g}'
+)
+
+
+@rule(
+    'healthy',
+    'A comb is significant, and too weak for a remark alone.',
+    faint=True,
+    tells='go on measuring, and compare with an earlier record',
+)
+def faint_comb(e: Evidence) -> Verdict | None:
     heard = [f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint]
     if e.elsewhere.z >= Z_ELSEWHERE and e.impacts['elsewhere'] >= IMPACTS:
         heard.append(
             f'{e.elsewhere}: of no part of a {e.bearing.name}, and too weak for a '
             'remark alone; check bearing and speed'
         )
-    return say(e, text, *heard, level='ok')
+    return say(e, _HEALTHY, *heard, level='ok') if heard else None
+
+
+@rule('healthy', 'No comb is both significant and strong.', faint=True)
+def no_comb(e: Evidence) -> Verdict | None:
+    return say(e, _HEALTHY, level='ok')

@@ -59,6 +59,7 @@ RULES: tuple[Rule, ...] = (
         no_comb.few_shaft_turns,
         no_comb.run_together,
         no_comb.low_lines,
+        no_comb.faint_comb,
         no_comb.no_comb,
     ),
     # One comb leads.
