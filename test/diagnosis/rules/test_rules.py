@@ -523,7 +523,7 @@ def test_a_second_look_counts_only_where_nothing_else_is_significant():
 
 
 def test_lines_of_a_loose_shaft_are_no_alarm():
-    of_shaft = {'loose_shaft': frozenset({'outer'})}
+    of_shaft = {'fits_shaft': frozenset({'outer'})}
     doubtful = (
         Evidence.of(INNER_SIDEBAND, **SIDEBAND, **of_shaft),
         Evidence.of(OUTER, whole_turns=3, **of_shaft),
