@@ -5,12 +5,14 @@
 import base64
 import io
 import json
+import os
 import shutil
 import zlib
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.cli import main
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals import dataset
 from bearing_twin.recording.signals.foreign import read_signal
 from commands import json_lines
@@ -88,7 +90,10 @@ def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
     ('column', 'values', 'why'),
     [
         ('signal_row_group', [None, 0, 1], 'has no signal r0/DE in row 0 of group None'),
+        ('signal_row_group', [2**62, 0, 1], f'has no signal r0/DE in row 0 of group {2**62}'),
         ('signal_row', ['a', '1', '0'], 'has no signal r0/DE in row a of group 0'),
+        ('signal_row', [-1, 1, 0], 'has no signal r0/DE in row -1 of group 0 (rows count from 0)'),
+        ('signal_id', [['a'], ['a'], ['b']], 'has one signal_id twice'),
         ('signal_id', ['r0/DE', 'r0/DE', 'r1/DE'], 'has one signal_id twice'),
     ],
 )
@@ -104,6 +109,29 @@ def test_a_parquet_set_that_contradicts_itself(parquet_set, tmp_path, capsys, co
     )
     assert main(['diagnose', str(tmp_path / 'rig'), '--jobs', '1']) == 1
     assert why in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('samples', ['texts', 'times', 'a pipe'])
+def test_samples_of_a_parquet_set_that_are_none_are_refused(parquet_set, tmp_path, samples):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    folder = tmp_path / 'rig'
+    shutil.copytree(parquet_set, folder)
+    path = folder / 'signals' / 'part-float32.parquet'
+    path.unlink()
+    if samples == 'a pipe':
+        os.mkfifo(path)
+    else:
+        kind = pa.string() if samples == 'texts' else pa.timestamp('ms')
+        rows = [['1', '2']] if samples == 'texts' else [[1, 2]]
+        table = pa.table({'signal': pa.array(rows * 3, pa.list_(kind))})
+        parquet.write_table(table, path, row_group_size=2)
+    said = 'is no file but a pipe' if samples == 'a pipe' else 'the signal r1/DE holds'
+    # Of this signal the unit is V, so that its samples are multiplied.
+    with pytest.raises(BearingTwinError, match=said) as refusal:
+        read_signal(folder, channel='r1/DE')
+    assert str(path) in str(refusal.value)
 
 
 @pytest.mark.parametrize('said', ['1.2.3 mV/g', '. V/g', '0.0 V/g', '10 V/(mm/s)', 'none', None])

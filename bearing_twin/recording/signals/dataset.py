@@ -16,6 +16,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import bearing_of_orders, FaultFrequencies
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_numbers
+from bearing_twin.recording.mcap.mcapfile import refuse_special
 import numpy as np
 
 if TYPE_CHECKING:
@@ -79,7 +81,7 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
     ]
     rows: list[DatasetSignal] = table.rename_columns(names).select(plain).to_pylist()
     signals = [row for row in rows if str(row.get('quantity', 'unknown')) in VIBRATION]
-    if len({row['signal_id'] for row in signals}) < len(signals):
+    if len({str(row['signal_id']) for row in signals}) < len(signals):
         msg = f'{path / TABLE} has one signal_id twice; each signal needs its own'
         raise BearingTwinError(msg)
     for row in signals:
@@ -130,10 +132,13 @@ def read_dataset_signal(path: Path, row: DatasetSignal) -> dict[str, Any]:
     file = path / 'signals' / name
     try:
         column = _read(file, lambda parquet: parquet.read_row_group(group, columns=['signal']))
+        if index < 0:
+            raise IndexError('rows count from 0')
         x = column.column(0).combine_chunks()[index].values.to_numpy(zero_copy_only=False)
-    except (IndexError, AttributeError, TypeError) as error:
+    except (IndexError, AttributeError, TypeError, OverflowError) as error:
         msg = f'{file} has no signal {row["signal_id"]} in row {index} of group {group} ({error})'
         raise BearingTwinError(msg) from None
+    x = real_numbers(f'{file}: the signal {row["signal_id"]}', x)
     factor, unit = _physical(row)
     profile = row.get('speed_profile')
     found: dict[str, Any] = {
@@ -164,8 +169,10 @@ def _read(file: Path, action: Any) -> Any:
     from pyarrow import parquet
 
     try:
+        refuse_special(file)
         with parquet.ParquetFile(file) as opened:
             return action(opened)
-    except (pyarrow.ArrowException, OSError, IndexError) as error:
-        msg = f'{file} cannot be read as Parquet ({str(error).splitlines()[0]})'
+    except (pyarrow.ArrowException, OSError, IndexError, UnicodeDecodeError) as error:
+        reason = next(iter(str(error).splitlines()), type(error).__name__)
+        msg = f'{file} cannot be read as Parquet ({reason})'
         raise BearingTwinError(msg) from None

@@ -331,7 +331,7 @@ def _index(text: str, count: int, what: str) -> int:
 
 
 def _vector(values: Any, path: Path) -> NDArray[np.float64]:
-    x = np.ascontiguousarray(real_numbers('x', values))
+    x = np.ascontiguousarray(real_numbers(f'{path}: the signal', values))
     if not 1 <= x.size <= MOST_SAMPLES:
         msg = f'{path}: the signal has {x.size} samples; 1..{MOST_SAMPLES} are read'
         raise BearingTwinError(msg)
