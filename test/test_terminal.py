@@ -315,6 +315,11 @@ def test_what_cannot_be_said_is_no_success():
         ['sh', '-c', '"$@" 2>&-', 'sh', *COMMAND, 'info', 'nowhere'], stdout=subprocess.PIPE
     )
     assert (ran.returncode, ran.stdout) == (1, b'')
+    ran = subprocess.run(
+        ['sh', '-c', '"$@" <&-', 'sh', *COMMAND, 'whatif', '-'], stderr=subprocess.PIPE
+    )
+    assert ran.returncode == 1
+    assert ran.stderr.startswith(b'bearing-twin whatif: - holds no fit; write one')
 
 
 @pytest.mark.parametrize(
@@ -343,6 +348,16 @@ def test_output_that_ends_is_one_sentence(words, where, status, said):
     lines = ran.stderr.splitlines()
     assert len(lines) == bool(said)
     assert not said or lines[0].startswith(f'bearing-twin {said}')
+
+
+@pytest.mark.parametrize('seconds', ['0', '-1', 'nan', '5e-324'])
+def test_readings_have_a_time_between_them(seconds, tmp_path, capsys):
+    source, target = tmp_path / 'a.npz', tmp_path / 'run'
+    np.savez(source, temp_t_s=np.arange(10.0), temp_C=np.linspace(20.0, 30.0, 10))
+    words = ['schedule', '-o', str(target), '--from-npz', str(source), f'--every={seconds}']
+    assert main(words) == 1
+    assert f'every={float(seconds)} s: give 1e-06 s or more' in capsys.readouterr().err
+    assert not target.exists()
 
 
 @pytest.mark.parametrize('seconds', ['0', '-5', 'nan', '1e9'])

@@ -33,10 +33,12 @@ def mend_streams() -> None:
 
     Characters that the encoding (ASCII, Latin-1) does not have are written as escapes. If standard
     output is closed, printing fails as on a full disk. If standard error is closed, errors are
-    discarded.
+    discarded. A closed standard input is empty.
     """
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open('w')  # noqa: SIM115
+    if sys.stdin is None:
+        sys.stdin = Path(os.devnull).open()  # noqa: SIM115
     if sys.stdout is None:
         # Without a buffer, so that printing fails at once and not at the end.
         sys.stdout = TextIOWrapper(

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
+_SHORTEST = 1e-6
+"""Shortest time between two readings that can be asked for, s."""
 START = 1_577_836_800 * NANO
 """Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""
 
@@ -98,8 +100,8 @@ def load_trend(
     times = times - times[0]
     taken = np.ones(times.size, dtype=bool) if until is None else times <= until
     if every is not None:
-        if every <= 0.0:
-            msg = f'every={every} s: give a positive time'
+        if not every >= _SHORTEST:
+            msg = f'every={every} s: give {_SHORTEST:g} s or more'
             raise BearingTwinError(msg)
         taken &= np.diff(np.floor(times / every), prepend=-1.0) > 0.0
     if np.count_nonzero(taken) < 2:
