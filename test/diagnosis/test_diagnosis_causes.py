@@ -98,6 +98,35 @@ def test_a_loose_shaft_whose_speed_moves_is_no_alarm(rng, name, sway):
     assert said.level != 'fault', said.reasons
 
 
+@pytest.mark.parametrize('depth', [0.3, 0.45, 0.6])
+@pytest.mark.parametrize('name', ['6205', '6206', '6310'])
+def test_an_outer_race_whose_impacts_vary_once_a_turn_of_the_cage_stays_open(rng, name, depth):
+    """An eccentric cage loads its balls in turn: the sidebands are the order over the balls."""
+    bearing = find_bearing(name)
+    order = fault_orders(bearing, 0.008).bpfo
+    struck = np.arange(int(0.98 * SECONDS * SHAFT_HZ * order))
+    jitter, scatter = rng.standard_normal((2, len(struck)))
+    heights = 1.0 + depth * np.cos(2.0 * np.pi * struck / bearing.n_balls)
+    times = np.cumsum(1.0 + 0.005 * jitter) / (order * SHAFT_HZ)
+    x = _strikes(times, 6.0 * heights * np.exp(0.2 * scatter)) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, SHAFT_HZ)
+    assert said.faults[0] == 'outer', said.reasons
+
+
+@pytest.mark.parametrize(('own', 'given'), [('6321', '6218'), ('6410', '6208'), ('6205', '6236')])
+def test_a_ball_of_another_bearing_is_no_outer_race_with_cage_sidebands(rng, own, given):
+    """Its cage turns at another share of its order than the balls of the outer race ask for."""
+    orders = fault_orders(find_bearing(own), 0.004)
+    order = orders.impacts('ball')
+    turns = np.cumsum(1.0 + 0.003 * rng.standard_normal(int(0.98 * SECONDS * SHAFT_HZ * order)))
+    turns /= order
+    load = np.cos(np.pi * orders.ftf * turns) ** 4
+    x = _strikes(turns / SHAFT_HZ, 12.0 * load) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, find_bearing(given), SHAFT_HZ, speed_tolerance=0.002)
+    assert 'outer' not in said.faults, said.reasons
+    assert {'ball', 'cage'} <= set(said.faults), said.reasons
+
+
 @pytest.mark.parametrize('ringing_hz', [800.0, 1000.0, 1300.0])
 def test_an_outer_race_that_rings_low_is_not_healthy(rng, ringing_hz):
     """Its impacts do not die away, so that they are lines of the plain spectrum and no comb."""

@@ -117,9 +117,24 @@ class CombSidebands:
         Return the cage order that is the spacing of the sidebands of a race's comb; 0 without any.
 
         A race does not move with the cage. Such a comb belongs to a ball or to the cage, at an
-        unexpected slip.
+        unexpected slip, or to an outer race: see `passing_balls_ratio`.
         """
         return self._beside_race(candidate, *self._expected.cage())
+
+    def passing_balls_ratio(self, candidate: Candidate) -> float:
+        """
+        Return the ratio of an outer race's cage sidebands if passing balls may make them, else 0.
+
+        Balls of different sizes, or an eccentric cage, let the impacts vary once a turn of the
+        cage. The cage then turns at the order of the comb over the number of balls, at any slip
+        and contact angle. So they fit if no other spacing has clearly higher sidebands.
+        """
+        if candidate.place != 'outer':
+            return 0.0
+        spacing = candidate.order / self._expected.bearing.n_balls
+        ratio = sideband_ratio(self._spectra, candidate.order, candidate.band, spacing)
+        highest = self._highest_sideband(candidate, *self._expected.cage())[1]
+        return highest if ratio * RIVAL >= highest else 0.0
 
     def another_cage_order(self, candidate: Candidate) -> float:
         """Return `cage_sideband_order` for the cages of all bearings of the catalogue."""

@@ -457,6 +457,9 @@ class Evidence:
     cage_sideband_order = _of_leading(
         '_sidebands', CombSidebands.cage_sideband_order, undisturbed=0.0
     )
+    passing_balls_ratio = _of_leading(
+        '_sidebands', CombSidebands.passing_balls_ratio, undisturbed=0.0
+    )
     another_cage_order = _of_leading(
         '_sidebands', CombSidebands.another_cage_order, undisturbed=0.0
     )

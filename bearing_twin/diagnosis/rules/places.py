@@ -54,15 +54,24 @@ def same_lines(e: Evidence) -> Verdict | None:
     return say(e, *map(str, e.same_lines), text, about=one, faults=places, level=level)
 
 
-@rule('ambiguous', 'A race does not move with the cage, so its comb has no cage sidebands.')
+@rule('ambiguous', 'Cage sidebands are of a ball or the cage, or of balls passing an outer race.')
 def cage_sideband_dominated(e: Evidence) -> Verdict | None:
     if not e.cage_sideband_order:
         return None
-    text = (
-        f'its sidebands are {e.cage_sideband_order:.3f} orders apart, as the cage turns, and a '
-        'race does not move with the cage: a ball, or the cage'
-    )
-    return say(e, text, about=e.leading, faults=('ball', 'cage'))
+    text = f'its sidebands are {e.cage_sideband_order:.3f} orders apart, as the cage turns, '
+    places: tuple[str, ...] = ('ball', 'cage')
+    if e.passing_balls_ratio:
+        text += (
+            f'and its order is that of {e.bearing.n_balls} balls in a turn of that cage: an outer '
+            'race whose impacts vary once a turn of the cage, as with balls of different sizes, '
+            'a ball, or the cage'
+        )
+        # A strike once a turn of the cage has equally high lines.
+        lower = e.passing_balls_ratio * RIVAL < 1.0
+        places = ('outer', *places) if lower else (*places, 'outer')
+    else:
+        text += 'and a race does not move with the cage: a ball, or the cage'
+    return say(e, text, about=e.leading, faults=places)
 
 
 @rule('ambiguous', "An impact once a cage turn may have a harmonic at the ball's order.")

@@ -58,6 +58,7 @@ def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.
         (('suspect', 'suspect', 'ball'), {'over': 15.0}, 'ambiguous', 'fault'),
         (('suspect', 'suspect', 'ball'), {'over': 7.0}, 'suspect', 'suspect'),
         (('ambiguous', 'suspect', 'ball', 'cage'), {'over': 6.5}, 'ambiguous', 'fault'),
+        (('ambiguous', 'suspect', 'outer', 'ball', 'cage'), {'over': 6.5}, 'ambiguous', 'fault'),
         (('inner', 'fault', 'inner'), {'zone': 'A', 'over': -3.0}, 'inner', 'fault'),
         (('inner', 'suspect', 'inner'), {'zone': 'D'}, 'inner', 'fault'),
     ],

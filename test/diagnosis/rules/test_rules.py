@@ -522,6 +522,15 @@ def test_a_second_look_counts_only_where_nothing_else_is_significant():
     assert decide(seen).faults == ('outer',)
 
 
+@pytest.mark.parametrize(
+    ('ratio', 'places'),
+    [(0.0, ('ball', 'cage')), (0.4, ('outer', 'ball', 'cage')), (0.9, ('ball', 'cage', 'outer'))],
+)
+def test_cage_sidebands_that_passing_balls_make_leave_the_outer_race_open(ratio, places):
+    seen = Evidence.of(OUTER, cage_sideband_order=0.38, passing_balls_ratio=ratio)
+    assert decide(seen).faults == places
+
+
 def test_lines_of_a_loose_shaft_are_no_alarm():
     of_shaft = {'fits_shaft': frozenset({'outer'})}
     doubtful = (
