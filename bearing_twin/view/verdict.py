@@ -14,7 +14,7 @@ from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.machine.dependence import Z90
 from bearing_twin.diagnosis.machine.level import is_urgent, SUSPECT_DB, UNKNOWN
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
-from bearing_twin.diagnosis.rules.table import TELLS
+from bearing_twin.diagnosis.rules.table import HEALTHY, TELLS
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ, ZONE_C_OF_ALL
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
@@ -96,12 +96,15 @@ def next_step(diagnosis: Any) -> str:
     result = str(diagnosis.result_name)
     # If a place is named, its combs alone may have raised the level; the stage has the rest.
     level = 'fault' if diagnosis.level == FAULT and result not in PLACES else ''
+    rule = str(getattr(diagnosis, 'rule', ''))
+    # A lasting rise raises a healthy answer too.
+    by_level = _is_louder(diagnosis) or (rule in HEALTHY and result != 'healthy')
     step = next_step_of(
         result,
         _stage(diagnosis),
         urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms'), _stage(diagnosis)),
         standing=shaft_speed(diagnosis) == 'standing',
-        tells='' if _is_louder(diagnosis) else TELLS.get(str(getattr(diagnosis, 'rule', '')), ''),
+        tells='' if by_level else TELLS.get(rule, ''),
     )
     return f'{step[0].upper()}{step[1:]}.'
 

@@ -89,6 +89,7 @@ DOUBTED = 0.85
 were right, and 0.85 is the lower end of the 95 % interval of their share (Wilson)."""
 
 TELLS = {rule.name: rule.tells for rule in RULES if rule.tells}
+HEALTHY = frozenset(rule.name for rule in RULES if rule.answer == 'healthy')
 FAINT = frozenset(rule.name for rule in RULES if rule.faint)
 NOTHING_SHOWS = frozenset(rule.name for rule in RULES if rule.nothing_shows)
 

@@ -268,6 +268,9 @@ def test_a_healthy_answer_with_a_weak_comb_asks_for_the_comparison_that_it_names
         shaft_hz_given=25.0, velocity_rms=math.nan, level_over_baseline=math.nan, iso_zone='',
     )  # fmt: skip
     assert next_step(message) == 'Go on measuring, and compare with an earlier record.'
+    # After a lasting rise the level is why it is suspect.
+    risen = SimpleNamespace(**vars(message) | {'result_name': 'suspect', 'level': SUSPECT})
+    assert next_step(risen) == next_step(SimpleNamespace(**vars(risen) | {'rule': 'no_comb'}))
 
 
 @pytest.mark.parametrize('name', [name for name in TELLS if CASES[name][2] != 'ok'])
