@@ -356,14 +356,14 @@ class SeriesMonitor:
         return self._kept.memory.was_settled_at(recent)
 
     def _hold(self, time: float, wanted: str) -> None:
-        """Update the held level and its rule; if an alarm ends, forget its envelopes."""
+        """Update the held level, its place and rule; if an alarm ends, forget its envelopes."""
         kept, before = self._kept, self._kept.held
         if kept.hold(time, wanted, self._settings.series_hold):
             self._loud.clear()
         if LEVELS.index(kept.answers.level) >= LEVELS.index(kept.held):
-            kept.doubt = kept.answers.doubt
+            kept.place, kept.doubt = kept.answers.place, kept.answers.doubt
         elif kept.held != before:
-            kept.doubt = ''
+            kept.place = kept.doubt = ''
 
     def report(self) -> SeriesReport:
         """Return the report on all snapshots so far."""
@@ -371,7 +371,7 @@ class SeriesMonitor:
         comb, place = None, ''
         if self._bearing is not None and self._kept.held in ('suspect', 'fault'):
             comb = self._loud.place(self._bearing, self._quiet) or self._kept.strong
-            place = self._kept.answers.place or (comb.place if comb else '')
+            place = self._kept.place or (comb.place if comb else '')
         alone = self._kept.held in ('suspect', 'fault') and math.isnan(self._kept.risen)
         doubt = self._kept.doubt if alone and not place else ''
         change = self._change(self._kept.risen)
@@ -415,6 +415,7 @@ class SeriesMonitor:
     def forget_answers(self) -> None:
         """Drop the answers of single snapshots, which were about another bearing."""
         self._kept.answers, self._kept.strong = Answers(), None
+        self._kept.place = self._kept.doubt = ''
 
     def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
         """
@@ -470,6 +471,8 @@ class SeriesMonitor:
         reasons = [text] if (text := str(self._kept.answers)) else []
         if doubt and doubt != self._kept.answers.doubt:
             reasons.append(f'{self._kept.held} held: {WHY[doubt]}')
+        if place and place == self._kept.place != self._kept.answers.place:
+            reasons.append(f'{self._kept.held} held: earlier snapshots say {place}')
         base = self._kept.memory.base
         if base is None and not self._teaches and math.isnan(self._kept.risen):
             reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')

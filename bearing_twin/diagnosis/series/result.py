@@ -66,8 +66,8 @@ class SeriesReport:
     law: Law
     """Dependence of the level of the whole signal on temperature and speed."""
     place: str
-    """Place that the newest snapshots name alone, or else the place in the averaged envelopes
-    since the change; '' without a place, and at the level 'ok'."""
+    """Place that single snapshots named when they last reached the held level, or else the place
+    in the averaged envelopes since the change; '' without a place, and at the level 'ok'."""
     doubt: str
     """Rule of most answers of single snapshots, ambiguous or with a next step of its own, if these
     answers alone raised the level and name no place, for as long as it is held; else ''."""

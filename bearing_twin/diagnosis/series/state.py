@@ -38,8 +38,10 @@ class SeriesMemory:
     """Time at which the held level last rose from 'none' or 'ok', s."""
     risen: float = math.nan
     """First time since then at which the vibration level required an alarm, s; NaN if none."""
+    place: str = ''
+    """Place that the answers of single snapshots named when they last reached the held level."""
     doubt: str = ''
-    """Rule of most answers of single snapshots that last reached the held level; '' if none."""
+    """Rule of most of these answers if they named no place; '' if none."""
     alarms: dict[str, float] = field(default_factory=dict)
     """Time of the first alarm of each level, s."""
     changes: int = 0
@@ -50,9 +52,10 @@ class SeriesMemory:
 
     def __post_init__(self) -> None:
         """Refuse a saved series with an unknown level, place or rule."""
-        place = self.strong.place if self.strong else PLACES[0]
-        if self.held not in LEVELS or place not in PLACES or self.doubt not in ('', *WHY):
-            said = f'level {self.held!r:.60}, place {place!r:.60} or rule {self.doubt!r:.60}'
+        places = (self.place or PLACES[0], self.strong.place if self.strong else PLACES[0])
+        named = all(place in PLACES for place in places)
+        if self.held not in LEVELS or not named or self.doubt not in ('', *WHY):
+            said = f'level {self.held!r:.60}, places {places!r:.60} or rule {self.doubt!r:.60}'
             msg = f'saved {said} is invalid; use what save() returned'
             raise BearingTwinError(msg)
 

@@ -497,3 +497,17 @@ def test_a_level_that_rises_beside_a_doubt_is_not_learnt_and_has_its_place(monke
     report = monitor.report()
     assert point.level == 'suspect' and report.place == 'outer'
     assert report.baseline[1] < 40 * 600.0 <= report.change
+
+
+def test_a_fault_that_is_held_keeps_its_place(rng):
+    """An outer race strikes in five snapshots; the level is held until nine say less."""
+    bearing = find_bearing('6205')
+    monitor, said = SeriesMonitor(bearing), []
+    for n in range(19):
+        x = impacts(rng, bearing, 'outer', 6.0 * (n < 5))
+        monitor.add(600.0 * n, x, RATE, 30.0)
+        said.append(monitor.report())
+    assert [report.level for report in said] == ['none'] * 4 + ['fault'] * 13 + ['none'] * 2
+    assert [said[n].place for n in (4, 8, 12, 18)] == ['outer'] * 3 + ['']
+    assert said[12].result == 'outer'
+    assert 'fault held: earlier snapshots say outer' in said[12].reasons
