@@ -25,6 +25,7 @@ from bearing_twin.diagnosis.thresholds import (
     MAINS_HZ,
     RIVAL,
     STEADY,
+    UNLIKELY_SLIP,
 )
 import numpy as np
 
@@ -40,6 +41,9 @@ if TYPE_CHECKING:
 _SHARP = 1.5
 """Bins within which the lines of a shaft at a steady speed fall to two thirds of their score. They
 do so within 1.1 bins in simulations, and not within 2.5 if the speed drifts by 3 % in 8 s."""
+_SLIP_BINS = 6.0
+"""Bins that the slips of a bearing under load spread over where a window tells a race from a whole
+order. A comb reaches the order within 1.5 bins to either side: half of these bins."""
 
 
 class CombHarmonics:
@@ -181,7 +185,9 @@ class CombHarmonics:
         spread = self._spread if math.isfinite(self._spread) else 0.0
         uncertainty = self._expected.uncertainty
         slack = max(spread, uncertainty) if strikes else spread or uncertainty
-        near = not told and abs(order - turns) <= slack * order
+        if told:
+            return turns if self.smears_over_whole(candidate) else 0
+        near = abs(order - turns) <= slack * order
         return turns if near or self._reaches(order, turns) else 0
 
     def smears_over_whole(self, candidate: Candidate) -> bool:
@@ -190,11 +196,12 @@ class CombHarmonics:
 
         A speed that moves smears the line n of a shaft n times as far as its first, so that the
         skirt passes the bins that are left out at multiples of the shaft. Between a race and a
-        whole order the score falls.
+        whole order the score falls, in a window that parts them at most slips.
         """
-        turns = round(candidate.order)
-        known = turns and math.isfinite(self._spread)
-        return bool(known and self._reaches(candidate.order, turns))
+        order, turns = candidate.order, round(candidate.order)
+        parted = _SLIP_BINS * self._whole.step <= UNLIKELY_SLIP * order
+        known = turns and parted and math.isfinite(self._spread)
+        return bool(known and self._reaches(order, turns))
 
     def _reaches(self, order: float, whole: float) -> bool:
         """Return whether a comb has half its score at all orders from its own to a whole one."""
