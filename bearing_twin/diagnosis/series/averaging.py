@@ -53,6 +53,8 @@ _FLOORS, _LEAST_FLOOR = 64, 16
 """Number of blocks of the floor that whitens a snapshot, and least bins of a block."""
 SLIP = 0.03
 """Largest slip of a race or ball that is searched."""
+SPEED_ERROR = 0.01
+"""Relative error of the given speed up to which strikes of the shaft are taken for no place."""
 Z_PLACE, RIVAL = 5.0, 1.4
 """Significance from which a place is named, and least ratio to the next place's."""
 LEAST = 20
@@ -207,7 +209,9 @@ class AveragedEnvelope:
         resolution = self.count / self.turns
         if 1.5 * resolution >= HIGHEST / HARMONICS:
             return None
-        grid = np.arange(1.5 * resolution, HIGHEST / HARMONICS, STEP)
+        # The step of the highest harmonic is a bin.
+        step = STEP / HARMONICS
+        grid = np.arange(1.5 * resolution, HIGHEST / HARMONICS, step)
         scores = np.zeros((len(BANDS), len(grid)))
         for harmonic in range(1, HARMONICS + 1):
             rows = np.clip(np.rint(harmonic * grid / STEP).astype(int) - 1, 0, excess.shape[1] - 1)
@@ -215,8 +219,11 @@ class AveragedEnvelope:
         # The envelope of a band has no lines above its width; the last rows are the highest.
         scores[self.power[:, rows] <= 0.0] = np.nan
         # At whole orders a fault cannot be told from blades, a gear or the shaft. Their lines are
-        # as wide as the resolution, and share power with the bins beside them.
-        shaft = np.abs(grid - np.rint(grid)) < 0.5 * (min(resolution, 0.3) + STEP)
+        # as wide as the resolution, and share power with the bins beside them. The highest
+        # harmonic of a comb is farthest from theirs.
+        turns = np.rint(grid)
+        width = (min(resolution, 0.3) + STEP) / HARMONICS
+        shaft = np.abs(grid - turns) < SPEED_ERROR * turns + 0.5 * width
         orders = fault_orders(bearing)
         windows = {
             place: ~shaft & (np.abs(grid / order - 1.0) <= max(SLIP, 0.5 * STEP / order))
@@ -245,7 +252,7 @@ class AveragedEnvelope:
             return None
         top, place, order = best[0]
         row = int(np.searchsorted(grid, order))
-        if top < z[max(row - 1, 0) : row + 2].max():
+        if top < z[max(row - HARMONICS, 0) : row + HARMONICS + 1].max():
             # A higher comb just outside the range of a place belongs to another source.
             return None
         for rival, other, at in best[1:]:

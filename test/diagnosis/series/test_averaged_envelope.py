@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Envelopes of many short snapshots, averaged: noise, unit, and the place that they show."""
 
-from bearing_twin.bearing import fault_orders, find_bearing
+from bearing_twin.bearing import Bearing, fault_orders, find_bearing
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, BANDS
 import numpy as np
 import pytest
@@ -105,15 +105,37 @@ def test_blades_beside_an_order_of_the_bearing_name_no_place():
     assert loud.place(find_bearing('6312'), quiet) is None
 
 
-@pytest.mark.parametrize('turns', [5.0, 12.5, 25.0, 50.0])
-def test_strikes_three_times_a_turn_are_no_outer_race_beside_three_turns(turns):
-    """The wider a line, the more of it is in the bin of a 6203, at 3.05; speed .5 % off."""
+def average_of_strikes(order, turns, given_hz, height=5.0, jitter=0.0):
+    """Return the average of 25 snapshots of a shaft of 25 Hz, with impacts at an order."""
     rng, average = np.random.default_rng(1), AveragedEnvelope()
     t = np.arange(round(turns / 25.0 * RATE)) / RATE
-    ring = np.exp(-2500.0 * t) * np.sin(2.0 * np.pi * 4000.0 * t)
+    ring = (np.exp(-2500.0 * t) * np.sin(2.0 * np.pi * 4000.0 * t))[:500]
     for _ in range(25):
+        steps = 1.0 + jitter * rng.standard_normal(round(turns * order))
+        times = (rng.random() + np.cumsum(steps)) / (25.0 * order)
         train = np.zeros(len(t))
-        train[(np.arange(rng.random() / 75.0, t[-1], 1.0 / 75.0) * RATE).astype(int)] = 5.0
+        train[(times[times < t[-1]] * RATE).astype(int)] = height
         x = rng.standard_normal(len(t)) + np.convolve(train, ring)[: len(t)]
-        average.add(x, RATE, 24.875)
+        average.add(x, RATE, given_hz)
+    return average
+
+
+@pytest.mark.parametrize('turns', [5.0, 12.5, 25.0, 50.0])
+@pytest.mark.parametrize(('strikes', 'given_hz'), [(3, 24.875), (3, 24.75), (5, 25.25)])
+def test_strikes_a_whole_number_of_times_a_turn_are_no_race_beside_it(strikes, given_hz, turns):
+    """The wider a line, the more of it is in the bins of a 6203, at 3.05 and 4.95."""
+    average = average_of_strikes(strikes, turns, given_hz)
     assert average.place(find_bearing('6203'), AveragedEnvelope()) is None
+
+
+@pytest.mark.parametrize('turns', [10.0, 45.0])
+def test_a_race_beside_whole_orders_shows_by_its_third_harmonic(turns):
+    """A UER204 whose outer race strikes 3.083 times a turn without slip."""
+    bearing = Bearing(
+        name='UER204', n_balls=8, d_ball=7.92e-3, d_pitch=34.55e-3, contact_angle=0.0
+    )
+    order = 0.995 * fault_orders(bearing).bpfo
+    comb = average_of_strikes(order, turns, 25.0, jitter=0.01).strong(bearing, 25.0)
+    assert comb is not None
+    assert comb.place == 'outer'
+    assert comb.order == pytest.approx(order, abs=0.02)
