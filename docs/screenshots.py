@@ -19,7 +19,7 @@ import time
 from typing import Any
 
 from bearing_twin.assets.calibration.core import CalibrationCore
-from bearing_twin.assets.calibration.task import work
+from bearing_twin.assets.calibration.task import fit_record
 from bearing_twin.assets.parameters import calibration as calibration_parameters
 from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
 from bearing_twin.assets.parameters import twin as twin_parameters
@@ -144,7 +144,7 @@ def record_life(target: Path) -> None:
                     shaft_hz=machine['shaft_hz'], now=now,
                 )  # fmt: skip
                 if task is not None:
-                    put('/calibration', calibration.conclude(task, work(task), now))
+                    put('/calibration', calibration.conclude(task, fit_record(task), now))
 
 
 def report(run: Path) -> None:
