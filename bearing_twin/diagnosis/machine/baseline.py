@@ -62,11 +62,15 @@ class Baseline:
     """Time of the first and the last level, s."""
 
 
-def settled_baseline(window: Sequence[Sequence[float]]) -> Baseline | None:
+def settled_baseline(
+    window: Sequence[Sequence[float]], laws: Sequence[Law] = ()
+) -> Baseline | None:
     """
     Return the baseline of a window; None if level or temperature have not settled.
 
     Each row holds time in s, temperature in degC, log2 of the speed in Hz and the levels in dB.
+    With the law of each measure, levels are compared at one temperature, and the temperature may
+    move within the range in which its effect is known.
 
     Examples
     --------
@@ -79,19 +83,28 @@ def settled_baseline(window: Sequence[Sequence[float]]) -> Baseline | None:
     """
     table = np.array(window, dtype=np.float64)
     heat, levels = table[:, 1], table[:, 3:]
+    known = heat[np.isfinite(heat)]
+    middle_heat = float(np.median(known)) if len(known) else math.nan
+    moved = known
+    # Of the levels as measured: a law can turn out to be of something else, and is given up then.
+    apart = np.abs(levels - np.median(levels, axis=0))
+    scatter = 1.4826 * np.median(apart, axis=0)
+    for column, law in enumerate(laws):
+        effect = law.temperature
+        levels[:, column] -= [effect.correct(value, middle_heat)[0] for value in heat]
+        if effect.known and column == 0:
+            moved = known - np.clip(known, effect.low, effect.high)
     if _drift(levels[:, 0]) > SETTLED_DB:
         return None
-    known = heat[np.isfinite(heat)]
-    if len(known) > len(heat) // 2 and _drift(known) > SETTLED_K:
+    if len(known) > len(heat) // 2 and _drift(moved) > SETTLED_K:
         return None
     middle = np.median(levels, axis=0)
-    scatter = 1.4826 * np.median(np.abs(levels - middle), axis=0)
     if scatter[0] > MOST_SCATTER_DB:
         return None
     return Baseline(
         levels=middle.tolist(),
         scatter=scatter.tolist(),
-        temperature=float(np.median(known)) if len(known) else math.nan,
+        temperature=middle_heat,
         octaves=float(np.median(table[:, 2])),
         times=table[[0, -1], 0].tolist(),
     )
@@ -177,6 +190,9 @@ class Memory:
         if len(window) < wanted:
             return False
         new, base = settled_baseline(window), self.base
+        if not (new or base) and laws[0].temperature.known:
+            # A first baseline need not wait for a temperature that swings.
+            new = settled_baseline(window, laws)
         if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= most:
             return False
         if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):

@@ -197,6 +197,22 @@ def test_a_machine_that_stood_before_it_was_known_is_not_alarmed_when_it_runs_ag
     assert any('30 snapshots not judged: 12 dB' in why for why in monitor.report().reasons)
 
 
+@pytest.mark.parametrize('period', [48, 60])
+def test_a_machine_whose_temperature_swings_with_the_window_has_a_baseline(period):
+    """Its level falls by 0.12 dB/K; a swing as long as the baseline's window never settles."""
+    monitor, rng, wander = SeriesMonitor(None), np.random.default_rng(1), 0.0
+    levels = []
+    for number in range(240):
+        wander = 0.9 * wander + 0.25 * rng.standard_normal()
+        swing = 12.0 * np.sin(2.0 * np.pi * number / period) + 0.3 * rng.standard_normal()
+        level = wander - 0.12 * swing + 8.0 * (number >= 220)
+        x = 10.0 ** (level / 20.0) * rng.standard_normal(COUNT)
+        point = monitor.add(600.0 * number, x, RATE, SHAFT_HZ, temperature=40.0 + swing)
+        levels.append(point.level)
+    assert set(levels[150:220]) == {'ok'} and not {'suspect', 'fault'} & set(levels[:150])
+    assert levels[-1] == 'suspect'
+
+
 def test_two_machines_in_one_series_have_no_baseline():
     rng = np.random.default_rng(2)
     monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=20))
