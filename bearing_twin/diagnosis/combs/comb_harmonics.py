@@ -25,7 +25,6 @@ from bearing_twin.diagnosis.thresholds import (
     MAINS_HZ,
     RIVAL,
     STEADY,
-    UNLIKELY_SLIP,
 )
 import numpy as np
 
@@ -41,9 +40,6 @@ if TYPE_CHECKING:
 _SHARP = 1.5
 """Bins within which the lines of a shaft at a steady speed fall to two thirds of their score. They
 do so within 1.1 bins in simulations, and not within 2.5 if the speed drifts by 3 % in 8 s."""
-_SLIP_BINS = 6.0
-"""Bins that the slips of a bearing under load spread over where a window tells a race from a whole
-order. A comb reaches the order within 1.5 bins to either side: half of these bins."""
 
 
 class CombHarmonics:
@@ -164,9 +160,9 @@ class CombHarmonics:
         Return the strikes a turn with which a part of the shaft would make a comb; 0 if none can.
 
         It can if the order is a whole number within the uncertainty of a speed that neither a
-        measurement nor the lines of the shaft give, or if the comb reaches a whole number. A comb
-        with the sidebands of a load zone is an inner race, unless they are as high as its
-        harmonics and fit the shaft as well.
+        measurement nor the lines of the shaft give, or if the speed moves so that the comb smears
+        over a whole number. A comb with the sidebands of a load zone is an inner race, unless they
+        are as high as its harmonics and fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
         inner = candidate.place == 'inner'
@@ -176,32 +172,17 @@ class CombHarmonics:
                 return 0
             columns = np.array([candidate.band])
             return turns if spaced_by_shaft(self._whole, order, columns, self._tolerance) else 0
-        strikes = high_sidebands and not inner
-        if not turns or (candidate.place == 'ball' and not strikes):
-            return 0
         # Strikes once a turn have equally high lines, which look sharp if the speed moves a
         # little.
-        told = self._spread <= (0.0 if strikes else _SHARP * self._whole.step)
+        strikes = high_sidebands and not inner
+        if not turns or self._spread <= (0.0 if strikes else _SHARP * self._whole.step):
+            return 0
         spread = self._spread if math.isfinite(self._spread) else 0.0
         uncertainty = self._expected.uncertainty
         slack = max(spread, uncertainty) if strikes else spread or uncertainty
-        if told:
-            return turns if self.smears_over_whole(candidate) else 0
-        near = abs(order - turns) <= slack * order
-        return turns if near or self._reaches(order, turns) else 0
-
-    def smears_over_whole(self, candidate: Candidate) -> bool:
-        """
-        Return whether a comb is the skirt of lines at a whole order, at a speed that is known.
-
-        A speed that moves smears the line n of a shaft n times as far as its first, so that the
-        skirt passes the bins that are left out at multiples of the shaft. Between a race and a
-        whole order the score falls, in a window that parts them at most slips.
-        """
-        order, turns = candidate.order, round(candidate.order)
-        parted = _SLIP_BINS * self._whole.step <= UNLIKELY_SLIP * order
-        known = turns and parted and math.isfinite(self._spread)
-        return bool(known and self._reaches(order, turns))
+        if abs(order - turns) > slack * order and not self._reaches(order, turns):
+            return 0
+        return turns if strikes or candidate.place != 'ball' else 0
 
     def _reaches(self, order: float, whole: float) -> bool:
         """Return whether a comb has half its score at all orders from its own to a whole one."""
