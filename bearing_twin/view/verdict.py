@@ -16,7 +16,7 @@ from bearing_twin.diagnosis.machine.level import is_urgent, SUSPECT_DB, UNKNOWN
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
 from bearing_twin.diagnosis.rules.table import HEALTHY, TELLS
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
-from bearing_twin.diagnosis.signal.severity import SLOW_HZ, ZONE_C_OF_ALL, ZONE_D_OF_ALL
+from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.quantity import signed
 from bearing_twin.stamps import stamp_ns, time_unit
@@ -86,11 +86,9 @@ def shaft_speed(diagnosis: Any) -> str:
 
 
 def judged_by_velocity(diagnosis: Any) -> bool:
-    """Whether a verdict depends on its velocity: by a zone, or by the zones of all machines."""
+    """Whether a verdict depends on its velocity: by a zone, or urgently by zone D of all."""
     zone = str(getattr(diagnosis, 'iso_zone', ''))
-    # Without a zone no velocity makes a fault, but above the highest limit a fault is urgent.
-    least = ZONE_D_OF_ALL if diagnosis.level == FAULT else ZONE_C_OF_ALL
-    return bool(zone) or recorded(diagnosis, 'velocity_rms') > least
+    return bool(zone) or is_urgent('', recorded(diagnosis, 'velocity_rms'))
 
 
 def next_step(diagnosis: Any) -> str:

@@ -29,7 +29,7 @@ def test_a_velocity_with_a_zone_is_on_the_first_page_too(recording, tmp_path, zo
         kind = 'bearing_twin_msgs/msg/Checkpoint'
         logger.log('/diagnosis_checkpoint', kind, checkpoint, first)
         for message in read_messages(recording, topics=['/diagnosis']):
-            made = replace(message.decode(), iso_zone=zone, velocity_rms=7.0)
+            made = replace(message.decode(), iso_zone=zone, velocity_rms=8.0)
             logger.log(message.topic, message.type_name, made, message.log_time)
     assert logger.problems == {}
     assert sum(name.startswith('Velocity') for name in view_names(rrd)) == views
