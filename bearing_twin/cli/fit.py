@@ -200,14 +200,15 @@ def _page(source: str, found: Calibration) -> str:
         f'level {before}{signed(found.level)} dB',
         f'cost      {found.cost_s:.1f} s of one core',
         '',
-        f'{"quantity":<20} {"5 %":>10} {"median":>10} {"95 %":>10}',
+        f'{"quantity":<20} {"5 %":>10} {"median":>10} {"95 %":>10}  identifiable, unit',
     ]
     reasons: dict[str, list[str]] = {}
     for quantity, value in found.quantities.items():
         word = 'identifiable' if value.identifiable else 'not identifiable'
         lines.append(
             f'{quantity:<20} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g}  '
-            f'{word:<16} {value.unit.replace("unit of the samples", "unit")}'.rstrip()
+            f'{"yes" if value.identifiable else "no":<3} '
+            f'{value.unit.replace("unit of the samples", "unit")}'.rstrip()
         )
         reasons.setdefault(f'{word}: {value.why}', []).append(quantity)
     # Many quantities share a reason, and a row with its own would be too wide.
