@@ -43,6 +43,15 @@ def repacked(body: bytes, head: bytes) -> bytes:
     return head[:6] + struct.pack('<IIQ', zlib.crc32(body), length, len(body)) + body
 
 
+def with_other_digits(body: bytes, rng: random.Random) -> bytes:
+    """Return the body with up to four other digits, of which most are read and then checked."""
+    changed = bytearray(body)
+    digits = [at for at, byte in enumerate(body) if byte in b'0123456789']
+    for at in rng.choices(digits, k=rng.randint(1, 4)):
+        changed[at] = rng.choice(b'0123456789')
+    return bytes(changed)
+
+
 def attack(count: int, seed: int, seconds: float = math.inf) -> None:
     settings = DiagnosisSettings(window=1.0, memory=1.0, update_interval=0.5)
     simulator = Simulator(preset('incipient', defect='outer'))
@@ -60,7 +69,8 @@ def attack(count: int, seed: int, seconds: float = math.inf) -> None:
             told['twin'] += 1
         other = StreamingDiagnoser(find_bearing('6307'), settings)
         with at_most(LONGEST), contextlib.suppress(BearingTwinError):
-            other.load(repacked(mutate(of_diagnosis[22:], rng), of_diagnosis[:22]))
+            change = rng.choice((mutate, with_other_digits))
+            other.load(repacked(change(of_diagnosis[22:], rng), of_diagnosis[:22]))
             push(other, range(4))
             told['diagnosis'] += 1
     print(f'seed {seed}: {told}')
