@@ -34,10 +34,6 @@ ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
 }
 """Zone boundaries A/B, B/C, C/D in mm/s of velocity RMS by (group, mounting), ISO 20816-3:2022."""
 
-_, ZONE_C_OF_ALL, ZONE_D_OF_ALL = map(max, *ISO_LIMITS.values())
-"""Velocity RMS above which a machine is in zone C or worse, and in zone D, in every group and
-mounting, mm/s."""
-
 SLOW_HZ = 10.0
 """Shaft speed below which the velocity of ISO 20816-3 is from 2 Hz on, Hz."""
 
@@ -86,6 +82,11 @@ def least_limits(power_group: object, mounting: object) -> tuple[float, float, f
     )
     b, c, d = (max(limits) for limits in zip(*possible, strict=True))
     return b, c, d
+
+
+_, ZONE_C_OF_ALL, ZONE_D_OF_ALL = least_limits(0, '')
+"""Velocity RMS above which a machine is in zone C or worse, and in zone D, in every group and
+mounting, mm/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
