@@ -82,13 +82,11 @@ def settled_baseline(
 
     """
     table = np.array(window, dtype=np.float64)
-    heat, levels = table[:, 1], table[:, 3:]
+    heat, measured = table[:, 1], table[:, 3:]
+    levels = measured.copy()
     known = heat[np.isfinite(heat)]
     middle_heat = float(np.median(known)) if len(known) else math.nan
     moved = known
-    # Of the levels as measured: a law can turn out to be of something else, and is given up then.
-    apart = np.abs(levels - np.median(levels, axis=0))
-    scatter = 1.4826 * np.median(apart, axis=0)
     for column, law in enumerate(laws):
         effect = law.temperature
         levels[:, column] -= [effect.correct(value, middle_heat)[0] for value in heat]
@@ -99,6 +97,9 @@ def settled_baseline(
     if len(known) > len(heat) // 2 and _drift(moved) > SETTLED_K:
         return None
     middle = np.median(levels, axis=0)
+    # Of the levels as measured: a law can turn out to be of something else, and is given up then.
+    apart = np.abs(measured - np.median(measured, axis=0))
+    scatter = 1.4826 * np.median(apart, axis=0)
     if scatter[0] > MOST_SCATTER_DB:
         return None
     return Baseline(
