@@ -44,7 +44,7 @@ def repacked(body: bytes, head: bytes) -> bytes:
 
 
 def with_other_digits(body: bytes, rng: random.Random) -> bytes:
-    """Return the body with up to four other digits, of which most are read and then checked."""
+    """Return the body with up to four digits changed."""
     changed = bytearray(body)
     digits = [at for at, byte in enumerate(body) if byte in b'0123456789']
     for at in rng.choices(digits, k=rng.randint(1, 4)):
