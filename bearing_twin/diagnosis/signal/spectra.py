@@ -439,6 +439,7 @@ def _over_floor(
     parts, wanted = len(levels), excess.shape[1]
     zero, one = np.float32(0.0), np.float32(1.0)
     ratio = logs[: count * bands].reshape(count, bands)
+    logged = 0
     for part in range(parts + 1):
         begin, end = _bins_between(part, parts, first, hop, count)
         low, high = levels[max(part - 1, 0)], levels[min(part, parts - 1)]
@@ -450,10 +451,12 @@ def _over_floor(
             for band in range(wanted):
                 left = values[band] - (low[band] + way * (high[band] - low[band]))
                 above[band] = left if left > zero else zero
-    # In lanes, because numpy's logarithm takes twice as long.
-    for n in range(len(logs) // L):
-        exponent, rest = split(load(logs, n))
-        store(logs, n, logarithm(exponent, rest))
+        # In lanes, because numpy's logarithm takes twice as long, and while they are in the cache.
+        ready = len(logs) // L if part == parts else end * bands // L
+        for n in range(logged, ready):
+            exponent, rest = split(load(logs, n))
+            store(logs, n, logarithm(exponent, rest))
+        logged = ready
 
 
 @compiled(fast=FAST, borrows=True)
