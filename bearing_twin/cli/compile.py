@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 import json
 import time
 from typing import TYPE_CHECKING
@@ -39,16 +41,30 @@ def run(args: argparse.Namespace) -> int:
     others, began = ', '.join(other_processors()), time.perf_counter()
     if others and not args.json:
         print(f'the code in {folder} is for another processor ({others})', flush=True)
-    dynamics.warm_up(fleet=True)
-    diagnosis.warm_up()
-    if why := why_not_kept():
+    # Beside each other, as nothing of the diagnosis calls the dynamics.
+    with ProcessPoolExecutor(1) as pool:
+        beside = pool.submit(_compile_diagnosis)
+        dynamics.warm_up(fleet=True)
+        try:
+            anything, why = beside.result()
+        except BrokenProcessPool as error:
+            msg = 'the process that compiled the diagnosis was killed; leave it more memory'
+            raise BearingTwinError(msg) from error
+    if why := why_not_kept() or why:
         raise BearingTwinError(why)
+    anything |= has_compiled()
     took = time.perf_counter() - began
     answer = {'processor': processor(), 'folder': str(folder), 'seconds': took}
     if args.json:
-        print(json.dumps({**answer, 'compiled': has_compiled()}))
-    elif has_compiled():
+        print(json.dumps({**answer, 'compiled': anything}))
+    elif anything:
         print(f'kernels compiled for {processor()} in {took:.0f} s; kept in {folder}')
     else:
         print(f'kernels are compiled for {processor()}; kept in {folder}')
     return 0
+
+
+def _compile_diagnosis() -> tuple[bool, str]:
+    """Return whether anything was compiled, and why it could not be kept; '' if it could."""
+    diagnosis.warm_up()
+    return has_compiled(), why_not_kept()

@@ -161,6 +161,22 @@ def test_compiling_for_later_without_room_is_an_error(tmp_path):
     assert done.stderr.splitlines()[-1].startswith('bearing-twin compile: compiled code cannot')
 
 
+def test_a_killed_process_of_compile_is_an_error():
+    script = (
+        'import os, signal\n'
+        'from bearing_twin.cli import compile, main\n'
+        'compile.dynamics.warm_up = lambda fleet: None\n'
+        'compile.diagnosis.warm_up = lambda: os.kill(os.getpid(), signal.SIGKILL)\n'
+        "raise SystemExit(main(['compile']))\n"
+    )
+    done = python('-c', script)
+    assert (done.returncode, done.stdout) == (1, '')
+    assert done.stderr == (
+        'bearing-twin compile: the process that compiled the diagnosis was killed; leave it more '
+        'memory\n'
+    )
+
+
 @pytest.mark.parametrize('damage', ['empty', 'cut', 'other bytes', 'a folder'])
 def test_a_damaged_cache_is_made_anew(tree, tmp_path, damage):
     cache = tmp_path / 'cache'
