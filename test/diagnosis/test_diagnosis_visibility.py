@@ -49,6 +49,37 @@ def test_the_fastest_impacts_have_the_index_of_a_fault(off):
     assert (np.hypot.reduce(lines) > INDEX_FAULT) == (off < 1.0)
 
 
+def _fast(seconds=3.0, rate=51_200):
+    """Order and speed at which an outer race strikes 1000 times a second, and noise."""
+    order = fault_orders(BEARING, 0.005).bpfo
+    rng = np.random.default_rng(0)
+    return rng, order, 1000.0 / order, rng.standard_normal(round(seconds * rate))
+
+
+@pytest.mark.parametrize(
+    ('strength', 'result', 'faults'), [(1.0, 'insufficient', ()), (1.6, 'suspect', ('outer',))]
+)
+def test_impacts_whose_ringing_runs_together_are_not_healthy(strength, result, faults):
+    """At 4 kHz and 4 % damping the envelope falls to 13 % between two impacts, not to nothing."""
+    rng, order, shaft_hz, x = _fast()
+    x += strength * _ringing(
+        rng, order, seconds=3.0, rate=51_200, resonance_hz=4000.0, shaft_hz=shaft_hz
+    )
+    said = diagnose_record(x, 51_200, BEARING, shaft_hz)
+    assert (said.result, said.faults) == (result, faults), said.reasons
+    assert '1000 ' in said.reasons[-1]
+    assert 'record at a lower speed' in said.reasons[-1]
+
+
+@pytest.mark.parametrize('depth', [0.03, 0.05, 0.08])
+def test_passing_balls_of_a_fast_bearing_are_healthy(depth):
+    _, _, shaft_hz, x = _fast()
+    x *= 1.0 + depth * np.cos(2.0 * np.pi * 1000.0 / 51_200 * np.arange(len(x)))
+    said = diagnose_record(x, 51_200, BEARING, shaft_hz)
+    assert (said.result, said.level) == ('healthy', 'ok'), said.reasons
+    assert said.score['outer'] > 5.5
+
+
 @pytest.mark.parametrize('name', ['6307', '6203'])
 def test_an_outer_race_that_slips_on_to_a_multiple_of_the_shaft_is_not_healthy(name):
     rng, bearing = np.random.default_rng(3), find_bearing(name)

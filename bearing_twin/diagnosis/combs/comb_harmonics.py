@@ -100,11 +100,11 @@ class CombHarmonics:
             self._multiples[order] = found
         return self._multiples[order]
 
-    def impacts(self, candidate: Candidate) -> float:
-        """Return the mean log score, less noise, of the second to fourth harmonic of a comb."""
+    def impacts(self, candidate: Candidate, first: int = 2, last: int = HARMONICS) -> float:
+        """Return the mean log score, less noise, of some harmonics of a comb."""
         logs, hidden, step = self._whole.logs, self._whole.at_shaft, self._whole.step
         columns = self.columns(candidate.order)
-        return mean_height(logs, hidden, candidate.order, step, (2, HARMONICS), columns)
+        return mean_height(logs, hidden, candidate.order, step, (first, last), columns)
 
     def high_harmonics_ratio(self, candidate: Candidate) -> float:
         """Return the power of harmonics 5 to 8 of a comb over that of the first four."""

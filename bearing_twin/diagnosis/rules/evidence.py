@@ -30,6 +30,7 @@ from bearing_twin.bearing import find_bearing, PLACES
 from bearing_twin.diagnosis.combs.candidate import Candidate, Claims, LoadZone, RACES
 from bearing_twin.diagnosis.combs.comb_harmonics import CombHarmonics
 from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands
+from bearing_twin.diagnosis.signal.gate import fastest_impacts_hz, LOWEST_RINGING_HZ
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,
     IMPACTS,
@@ -254,6 +255,25 @@ class Evidence:
         return tuple(
             c for c in self.all_combs if c.place != 'cage' and c.z >= Z_FAULT and c.index >= noise
         )
+
+    @property
+    def fast(self) -> Candidate | None:
+        """
+        Highest faint comb whose impacts come faster than the ringing of a housing dies away.
+
+        Its index is small whatever the size of the impacts.
+        """
+        shown = fastest_impacts_hz(self.sample_rate, LOWEST_RINGING_HZ)
+        combs = (c for c in self.faint if c.order * self.shaft_hz > shown)
+        return max(combs, key=lambda c: c.z, default=None)
+
+    @_measured(undisturbed=(0.0, 0.0))
+    def fast_harmonics(self) -> tuple[float, float]:
+        """Height of the second, and of the third and fourth harmonic of `fast`, as `impacts`."""
+        if self.fast is None:
+            return 0.0, 0.0
+        heights = self._harmonics.impacts
+        return heights(self.fast, 2, 2), heights(self.fast, 3)
 
     @_measured(undisturbed={})
     def extraneous_orders(self) -> Mapping[str, float]:

@@ -11,7 +11,12 @@ from bearing_twin.diagnosis.rules.confidence import confidence, Trust
 from bearing_twin.diagnosis.rules.rule import EVEN, rule
 from bearing_twin.diagnosis.rules.verdict import highest_comb, no_statement, say
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
-from bearing_twin.diagnosis.signal.gate import CONVERTER_STEPS, fastest_impacts_hz, HEALTHY_TURNS
+from bearing_twin.diagnosis.signal.gate import (
+    CONVERTER_STEPS,
+    fastest_impacts_hz,
+    HEALTHY_TURNS,
+    LOWEST_RINGING_HZ,
+)
 from bearing_twin.diagnosis.thresholds import (
     IMPACTS,
     INDEX_SUSPECT,
@@ -25,6 +30,10 @@ from bearing_twin.diagnosis.thresholds import (
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.rules.evidence import Evidence
     from bearing_twin.diagnosis.rules.verdict import Verdict
+
+_SHOWN = 0.6
+"""Height from which harmonics of a comb may be those of impacts: a smooth modulation 1 + a cos has
+a second one of a/4 of the first and no others, and one line of noise in ten is as high."""
 
 
 @rule('insufficient', "A dead sensor has no comb either: its noise is the converter's rounding.")
@@ -94,6 +103,26 @@ def two_faint_places(e: Evidence) -> Verdict | None:
 
 
 @rule(
+    'suspect',
+    'Impacts that come faster than ringing dies away have a small index, whatever their size.',
+    faint=True,
+    # Waves of sound surfaces make such combs as well.
+    at_most=EVEN,
+    tells='compare with an earlier record, or record at a lower speed',
+)
+def fast_impacts(e: Evidence) -> Verdict | None:
+    comb = e.fast
+    if comb is None or e.impacts.get(comb.place, 0.0) < IMPACTS or e.fast_harmonics[1] < _SHOWN:
+        return None
+    text = (
+        f'impacts, {comb.order * e.shaft_hz:.0f} a second: what rings at '
+        f'{1e-3 * LOWEST_RINGING_HZ:g} kHz does not die away between them, so that the index is '
+        'small whatever their size; compare with an earlier record, or record at a lower speed'
+    )
+    return say(e, text, about=comb)
+
+
+@rule(
     'insufficient',
     'Of machines with such combs hardly more are sound than damaged, or fewer.',
     faint=True,
@@ -134,6 +163,15 @@ def few_shaft_turns(e: Evidence) -> Verdict | None:
     nothing_shows=True,
 )
 def run_together(e: Evidence) -> Verdict | None:
+    comb = e.fast
+    if comb is not None and e.fast_harmonics[0] >= _SHOWN:
+        text = (
+            f'not known: {comb.order * e.shaft_hz:.0f} impacts a second have a small index, '
+            f'whatever their size, where a housing rings at {1e-3 * LOWEST_RINGING_HZ:g} kHz, and '
+            'the comb has a second harmonic; compare with an earlier record, or record at a lower '
+            'speed'
+        )
+        return no_statement(e, text)
     highest_hz = highest_fault_order(e.bearing) * e.shaft_hz
     shown_hz = fastest_impacts_hz(e.sample_rate)
     if highest_hz <= shown_hz:

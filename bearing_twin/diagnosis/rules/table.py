@@ -55,6 +55,7 @@ RULES: tuple[Rule, ...] = (
         no_comb.bursts,
         no_comb.mostly_damaged,
         no_comb.two_faint_places,
+        no_comb.fast_impacts,
         no_comb.uncertain_health,
         no_comb.few_shaft_turns,
         no_comb.run_together,

@@ -31,6 +31,8 @@ DAMPING = 0.04
 
 HIGHEST_RINGING_HZ = 20_000.0
 """Highest frequency, Hz, at which impacts are searched: few sensors and mountings pass more."""
+LOWEST_RINGING_HZ = 3000.0
+"""Frequency, Hz, at which a housing may ring and no higher."""
 
 _PASSED = 1.0 / 2.56
 """Pass band of the filters of a measuring chain over the sample rate."""
@@ -192,26 +194,29 @@ def check_extents(
     return reasons
 
 
-def fastest_impacts_hz(sample_rate: float) -> float:
+def fastest_impacts_hz(sample_rate: float, highest_hz: float = HIGHEST_RINGING_HZ) -> float:
     """
     Return the highest rate of impacts, Hz, at which a fault shows in the envelope.
 
     The squared envelope of a ringing at f0 decays as exp(-t 2 pi c), c = 2 zeta f0. This lowers
     the k-th harmonic of impacts at f by H_k = 1 / sqrt(1 + (k f / c)^2). Impacts as loud as the
     noise in their band have the modulation index sqrt(sum H_k^2) over four harmonics. It falls to
-    0.6, the index of a fault, at f = 1.8 c. The highest f0 is the pass band of the samples, at
-    most 20 kHz; the damping zeta is 4 %.
+    0.6, the index of a fault, at f = 1.8 c. The damping zeta is 4 %.
 
     Parameters
     ----------
     sample_rate
         Hz.
+    highest_hz
+        Highest f0, Hz, if the pass band of the samples holds it.
 
     >>> round(fastest_impacts_hz(25600.0)), round(fastest_impacts_hz(204800.0))
     (1440, 2880)
+    >>> round(fastest_impacts_hz(204800.0, LOWEST_RINGING_HZ))
+    432
 
     """
-    ringing_hz = min(_PASSED * sample_rate, HIGHEST_RINGING_HZ)
+    ringing_hz = min(_PASSED * sample_rate, highest_hz)
     return _RUN_TOGETHER * 2.0 * DAMPING * ringing_hz
 
 

@@ -127,6 +127,17 @@ CASES = {
         'none',
         (),
     ),
+    'fast_impacts': (
+        Evidence.of(
+            comb('inner', z=12.0, index=0.1),
+            impacts={'inner': 1.2},
+            fast_harmonics=(2.0, 0.8),
+            shaft_hz=100.0,
+        ),
+        'suspect',
+        'suspect',
+        ('inner',),
+    ),
     'uncertain_health': (
         Evidence.of(
             comb('inner', z=12.0, index=0.25),
@@ -257,7 +268,7 @@ def test_rules_without_a_statement_are_marked():
     silent = {name for name, (_, _, level, _) in CASES.items() if level == 'none'}
     assert silent - NOTHING_SHOWS == {'few_steps'}
     suspect = {name for name, (_, _, level, _) in CASES.items() if level == 'suspect'}
-    assert suspect & FAINT == {'both_races', 'weak_modulation', 'mostly_damaged'}
+    assert suspect & FAINT == {'both_races', 'weak_modulation', 'mostly_damaged', 'fast_impacts'}
 
 
 def test_a_healthy_answer_with_a_weak_comb_asks_for_the_comparison_that_it_names():
