@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 
 LONGEST_WAIT = 10.0
+ZERO_CELSIUS = 273.15
+"""0 degC, K."""
 
 TEXTS = {
     TemperatureStatus.OK: 'temperature is fresh',
@@ -137,6 +139,8 @@ def temperature_status(temperature: GatedTemperature, *problems: str) -> Status:
     message = TEXTS[temperature.status]
     if temperature.status is TemperatureStatus.INVALID and math.isnan(temperature.age):
         message = 'temperature is NaN or impossible: the start temperature is used'
+    if TABLE_LOW <= temperature.measured - ZERO_CELSIUS <= TABLE_HIGH:
+        message += '; it looks like kelvin: publish degC, as sensor_msgs/Temperature has it'
     message = '; '.join([message, *filter(None, problems)])
     return Status(
         Level.OK if ok else Level.WARN,

@@ -230,6 +230,17 @@ def test_before_the_first_valid_temperature_the_start_temperature_is_named():
     assert 'last valid' in temperature_status(gate.at(3.0), '').message
 
 
+@pytest.mark.ros
+@pytest.mark.parametrize(('value', 'asked'), [(323.15, True), (150.0, False), (-40.0, False)])
+def test_a_temperature_in_kelvin_is_recognised(value, asked):
+    from bearing_twin.nodes.twin_topics import temperature_status
+    from bearing_twin.thermal.gate import TemperatureGate
+
+    gate = TemperatureGate()
+    gate.offer(value, stamp=0, now=1.0)
+    assert ('looks like kelvin' in temperature_status(gate.at(1.0)).message) == asked
+
+
 def test_publishers_that_come_and_go_take_bounded_memory():
     numbers = MessageNumbers()
     tracemalloc.start()
