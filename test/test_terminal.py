@@ -196,6 +196,25 @@ def test_what_the_system_refuses_is_said_in_a_sentence(command, capsys):
 
 
 @pytest.mark.parametrize(
+    ('words', 'usage', 'meant'),
+    [
+        (['diagnose', 'a.npz', '--sample_rate', '9'], 'bearing-twin diagnose', '--sample-rate'),
+        (['fit', 'a.npz', '--shaft_hz=25'], 'bearing-twin fit', '--shaft-hz'),
+        (['bearings', 'SKF', '6205'], 'bearing-twin bearings', None),
+        (['--versoin'], 'bearing-twin', '--version'),
+    ],
+)
+def test_an_unknown_option_is_answered_with_the_one_that_was_meant(words, usage, meant, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f'usage: {usage} [-h]')
+    assert ('did you mean' in said) == (meant is not None)
+    assert meant is None or said.endswith(f'did you mean {meant}?\n')
+
+
+@pytest.mark.parametrize(
     ('words', 'said'),
     [
         (['diagnose', 'a.npz', '--rpm', '1500,5'], "'1500,5' is not a number; write a decimal"),

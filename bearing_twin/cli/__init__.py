@@ -24,7 +24,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import mend_streams, report_compiling, take_as_meant
+from bearing_twin.cli.terminal import mend_streams, refuse_unknown, report_compiling, take_as_meant
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 
@@ -101,7 +101,9 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         import argcomplete
 
         argcomplete.autocomplete(parser)
-    args = parser.parse_args(arguments)
+    args, unknown = parser.parse_known_args(arguments)
+    if unknown:
+        refuse_unknown(getattr(args, 'parser', parser), unknown)
     if args.command is None:
         parser.print_help()
         return 0

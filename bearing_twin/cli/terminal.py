@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+import difflib
 from io import TextIOWrapper
 import math
 from numbers import Integral, Real
@@ -19,7 +20,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
 
 TOPIC = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
@@ -82,6 +83,19 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
         names = ', '.join(f'--{name.replace("_", "-")}' for name in given)
         msg = f'{names}: {why}'
         raise BearingTwinError(msg)
+
+
+def refuse_unknown(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """End with the usage of a parser, the words that it does not know, and the nearest options."""
+    options = sorted(set(re.findall(r'--[a-z][a-z-]*', parser.format_help())))
+    meant = [
+        near
+        for word in words
+        if word.startswith('--')
+        for near in difflib.get_close_matches(word.partition('=')[0], options, n=1)
+    ]
+    hint = f'; did you mean {" and ".join(meant)}?' if meant else ''
+    parser.error(f'unrecognized arguments: {shown(" ".join(words))}{hint}')
 
 
 def take_as_meant(parser: argparse.ArgumentParser) -> None:
