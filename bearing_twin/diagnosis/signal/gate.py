@@ -189,7 +189,7 @@ def check_extents(
         reasons.append(
             f'sample rate {sample_rate:g} Hz: at least {wanted:.0f} Hz are needed to demodulate '
             f'four harmonics of the highest fault frequency of a shaft at {60.0 * shaft_hz:.5g} '
-            '1/min: is that its speed?'
+            '1/min: are speed and rate right, and in these units?'
         )
     return reasons
 
