@@ -147,15 +147,14 @@ def fit(
     elif place not in (*PLACES, 'none'):
         msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"
         raise BearingTwinError(msg)
-    heard = math.isfinite(slip) and 0.0 <= slip <= MOST_SLIP
-    if heard:
+    if 0.0 <= slip <= MOST_SLIP:
         situation = replace(situation, slip=abs(slip))
     x, rate = decimated(x, sample_rate)
     situation = replace(situation, place=place, sample_rate=rate)
     if place in ('ball', 'cage'):
         refusal = Refusal(Kind.NOT_FITTED, f'the width of a {place} defect is not fitted')
     found = _fitted(x, situation, unit, candidates, seed, start, refusal, named=named)
-    return replace(found, quantities=found.quantities | {'slip': of_slip(situation, heard=heard)})
+    return replace(found, quantities=found.quantities | {'slip': of_slip(situation, slip)})
 
 
 def fitted_vibration(found: Calibration, seconds: float) -> FloatArray:

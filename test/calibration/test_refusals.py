@@ -7,7 +7,7 @@ import math
 
 from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing
 from bearing_twin.calibration import fit
-from bearing_twin.calibration.answer.estimates import of_defect, spacing_shortfall
+from bearing_twin.calibration.answer.estimates import of_defect, of_slip, spacing_shortfall
 from bearing_twin.calibration.answer.impacts import gear_mesh
 from bearing_twin.calibration.answer.refusals import half_frequency, Kind, no_impacts, unresolved
 from bearing_twin.calibration.candidates import cloud
@@ -34,6 +34,19 @@ def test_spots_of_half_a_millimetre_on_a_fast_shaft_are_not_measured(data_dir):
         assert found.defect in ('inner', 'outer')
         assert not width.identifiable
         assert width.q95 - width.q05 > width.median
+
+
+@pytest.mark.parametrize(
+    ('measured', 'why'),
+    [
+        (math.nan, 'no line of a fault measures it'),
+        (-0.0044, 'the line of the part gives -0.44 %, not 0 to 5 %'),
+        (0.002, 'from the line of the part'),
+    ],
+)
+def test_a_slip_is_said_to_be_measured_only_where_a_twin_can_have_it(measured, why):
+    slip = of_slip(cloud.example('inner'), measured)
+    assert slip.why.startswith(why) and not slip.identifiable
 
 
 def test_a_slot_wider_than_is_simulated_is_said_to_be():

@@ -17,7 +17,7 @@ from bearing_twin.calibration.answer.healthy import (
 )
 from bearing_twin.calibration.answer.refusals import Kind, Refusal
 from bearing_twin.calibration.answer.result import Estimate
-from bearing_twin.calibration.candidates.cloud import unknowns
+from bearing_twin.calibration.candidates.cloud import MOST_SLIP, unknowns
 from bearing_twin.calibration.candidates.passage import (
     interference,
     path_curvature,
@@ -156,20 +156,26 @@ def of_defect(
     return quantities
 
 
-def of_slip(situation: Situation, *, heard: bool) -> Estimate:
+def of_slip(situation: Situation, measured: float) -> Estimate:
     """
-    Return the estimate of the cage slip; ``heard``: whether the diagnosis has measured it.
+    Return the estimate of the cage slip; ``measured``: by the diagnosis, NaN if it is not.
 
     Examples
     --------
     >>> from bearing_twin.calibration.candidates.cloud import example
-    >>> of_slip(example(), heard=False).q95
+    >>> of_slip(example(), math.nan).q95
     0.03
 
     """
     low, high = 0.0, SLIPPED
-    why = 'no line of a fault found, so the twin has no slip'
-    if heard:
+    if math.isnan(measured):
+        why = 'no line of a fault measures it, so the twin has no slip'
+    elif not 0.0 <= measured <= MOST_SLIP:
+        why = (
+            f'the line of the part gives {100.0 * measured:.2g} %, not 0 to '
+            f'{100.0 * MOST_SLIP:g} %, so the twin has no slip'
+        )
+    else:
         low, high = situation.slip - SPEED_ERROR, situation.slip + SPEED_ERROR
         why = (
             'from the line of the part, which an error of the shaft speed moves too: '
