@@ -86,15 +86,14 @@ def settled_baseline(
     levels = measured.copy()
     known = heat[np.isfinite(heat)]
     middle_heat = float(np.median(known)) if len(known) else math.nan
-    moved = known
     for column, law in enumerate(laws):
-        effect = law.temperature
-        levels[:, column] -= [effect.correct(value, middle_heat)[0] for value in heat]
-        if effect.known and column == 0:
-            moved = known - np.clip(known, effect.low, effect.high)
+        levels[:, column] -= [law.temperature.correct(value, middle_heat)[0] for value in heat]
     if _drift(levels[:, 0]) > SETTLED_DB:
         return None
-    if len(known) > len(heat) // 2 and _drift(moved) > SETTLED_K:
+    # The level of the whole signal is what settles: its law is the first.
+    if laws and (whole := laws[0].temperature).known:
+        known = known - np.clip(known, whole.low, whole.high)
+    if len(known) > len(heat) // 2 and _drift(known) > SETTLED_K:
         return None
     middle = np.median(levels, axis=0)
     # Of the levels as measured: a law can turn out to be of something else, and is given up then.
