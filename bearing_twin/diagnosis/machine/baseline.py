@@ -175,7 +175,7 @@ class Memory:
         A baseline needs ``wanted`` levels less than ``most`` dB above the lowest so far. They must
         be at one speed unless the dependence on speed is known.
         """
-        speed, laws = self._speed(now), self.laws()
+        speed, laws = self._speed(now), self.laws(len(levels))
         if speed.startswith(_ANY):
             at = now._replace(octaves=float(speed.removeprefix(_ANY)))
             pairs = zip(levels, laws, strict=True)
@@ -234,9 +234,9 @@ class Memory:
         base = self.base
         return Condition(base.temperature, base.octaves) if base else Condition()
 
-    def laws(self) -> list[Law]:
-        """Return the law of each measure."""
-        return self.record.laws() or [Law()] * len(MEASURES)
+    def laws(self, measures: int = len(MEASURES)) -> list[Law]:
+        """Return the law of each measure, whose number is known before there is a record."""
+        return self.record.laws() or [Law()] * measures
 
     def over(self, levels: Sequence[float], now: Condition) -> list[float]:
         """
@@ -254,7 +254,7 @@ class Memory:
         speed = self._speed(now)
         known = speed in self.medians
         whole = self._over_lowest(speed, *self.medians[speed][1]) if known else math.nan
-        return [whole, *[-math.inf] * (len(MEASURES) - 1)]
+        return [whole, *[-math.inf] * (len(levels) - 1)]
 
     def _over_lowest(self, speed: str, level: float, heat: float) -> float:
         """Return a level over the lowest, dB, less the largest effect of their temperatures."""

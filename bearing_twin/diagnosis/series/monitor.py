@@ -20,13 +20,14 @@ from bearing_twin.diagnosis.machine.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.machine.trend import Source
-from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING, WHY
+from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING, NEWEST, WHY
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.series.state import SeriesMemory
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import FAINTEST, LARGEST
+from bearing_twin.diagnosis.signal.impact_height import impact_height, lowest_hz
 from bearing_twin.diagnosis.signal.severity import (
     band_name,
     LEAST,
@@ -60,10 +61,19 @@ SCATTER_FACTOR = 6.0
 a fault from twice as many. A level with a memory of 10 snapshots exceeds the limit within 10 000
 snapshots in 7 of 100 simulated lives: 60 snapshots do not give the scatter more exactly. A level
 that wanders by up to 1.2 dB (memory of 20 snapshots) stays below 6 dB in 99 of 100 such lives."""
+_FAINT = 1e-9
+"""Least height of impacts over the RMS, as of the RMS in a band."""
 LEAST_BASELINE = 10
 """Least number of snapshots of a baseline."""
 MOST = 5000
 """Most points that are kept; at this number every second one of the older half is dropped."""
+IMPACTS = 'impacts'
+"""Measure of :func:`impact_height`, watched in a series only."""
+WATCHED = (*MEASURES, IMPACTS)
+"""Names of the levels of a series."""
+_STAYING = 7
+"""Number of the newest ``NEWEST`` snapshots that reach the level of impacts. Those of a fault
+stay; shocks in one of four snapshots are in 7 of 9 in 1 of 1000."""
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline, or the lowest before it: {FALLEN}'
 
 
@@ -180,6 +190,7 @@ class SeriesMonitor:
             hertz = 2.0**memory.at.octaves
             self._not_compared(time, f'another speed than the {hertz:.4g} Hz of the baseline')
             return None
+        height = impact_height(signal, sample_rate, shaft_hz)
         signal = signal - signal.mean()
         severity = measure_severity(
             Levels.of(signal, fft.rfft(signal) / len(signal), sample_rate), unit=unit,
@@ -187,7 +198,8 @@ class SeriesMonitor:
             shaft_hz=shaft_hz,
         )  # fmt: skip
         severity = valid_for_length(severity, len(signal), sample_rate)
-        levels = monitored_levels(severity)
+        height = max(height, _FAINT * severity.rms)
+        levels = [*monitored_levels(severity), round(20.0 * math.log10(height), 6)]
         changes, deviations = self._changes_at(now)
         if memory.has_fallen(float(levels[0] - changes[0]), now, FAULT_DB):
             self._not_compared(time, _FALLEN)
@@ -223,7 +235,7 @@ class SeriesMonitor:
             (self._quiet if self._teaches else self._loud).join(newest)
         point = SeriesPoint(
             time=time, level=self._kept.held, over_baseline=over, rms=severity.rms,
-            measure=MEASURES[measure] if memory.base else '', temperature=temperature,
+            measure=WATCHED[measure] if memory.base else '', temperature=temperature,
             iso_zone=severity.iso_zone,
             correction=float(changes[0]), correction_sd=float(deviations[0]),
             rising=self._kept.rise.lasting if self._kept.rise.found else 0,
@@ -309,7 +321,8 @@ class SeriesMonitor:
 
     def _laws(self) -> list[Law]:
         """Return the law of each measure."""
-        return self._kept.memory.laws() if self._given is None else [self._given] * len(MEASURES)
+        count = len(WATCHED)
+        return self._kept.memory.laws(count) if self._given is None else [self._given] * count
 
     def _changes_at(self, now: Condition) -> NDArray[np.float64]:
         """Return corrections to the baseline's condition, and standard deviations, dB."""
@@ -323,8 +336,7 @@ class SeriesMonitor:
 
     def _over(self, now: Condition) -> tuple[float, int]:
         """Return the level of the last snapshots over their reference, dB, and its measure."""
-        recent = np.median(self._levels[-CONFIRMING:], axis=0)
-        over = self._kept.memory.over(recent.tolist(), now)
+        over = self._kept.memory.over(self._recent_levels().tolist(), now)
         over = [0.0 if math.isnan(value) else value for value in over]
         # The measures are compared by their ratio to their thresholds.
         most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
@@ -352,8 +364,14 @@ class SeriesMonitor:
 
     def _usual(self) -> Baseline | None:
         """Return the former baseline that agrees with the newest levels, or None."""
-        recent = np.median(self._levels[-CONFIRMING:], axis=0)
-        return self._kept.memory.was_settled_at(recent)
+        return self._kept.memory.was_settled_at(self._recent_levels())
+
+    def _recent_levels(self) -> NDArray[np.float64]:
+        """Return the level of each measure that is judged, dB."""
+        levels = np.array(self._levels[-NEWEST:])
+        recent: NDArray[np.float64] = np.median(levels[-CONFIRMING:], axis=0)
+        recent[-1] = np.sort(levels[:, -1])[max(len(levels) - _STAYING, 0)]
+        return recent
 
     def _hold(self, time: float, wanted: str) -> None:
         """Update the held level, its place and rule; if an alarm ends, forget its envelopes."""
@@ -403,7 +421,7 @@ class SeriesMonitor:
             'averaged': [[a.count, a.turns] for a in self._averages.values()],
         }
         arrays = {
-            'levels': np.array(self._levels, dtype=np.float64).reshape(-1, len(MEASURES)),
+            'levels': np.array(self._levels, dtype=np.float64).reshape(-1, len(WATCHED)),
             **{name: a.power for name, a in self._averages.items()},
         }
         return values, arrays
@@ -429,7 +447,7 @@ class SeriesMonitor:
         """
         self._kept = restored(SeriesMemory, values['kept'])
         self._levels = list(arrays['levels'])
-        if arrays['levels'].shape != (len(self._kept.points), len(MEASURES)):
+        if arrays['levels'].shape != (len(self._kept.points), len(WATCHED)):
             msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'
             raise BearingTwinError(msg)
         saved = zip(self._averages.items(), values['averaged'], strict=True)
@@ -442,7 +460,7 @@ class SeriesMonitor:
             return math.nan
         times = np.array([point.time for point in self._kept.points])
         until = int(np.searchsorted(times, alarm)) + 1
-        measure = MEASURES.index(self._kept.points[until - 1].measure or MEASURES[0])
+        measure = WATCHED.index(self._kept.points[until - 1].measure or WATCHED[0])
         levels = np.array([levels[measure] for levels in self._levels[:until]])
         base = self._kept.memory.base
         start, floor = 0, float(np.median(levels[: max(until // 2, 1)]))
@@ -491,8 +509,8 @@ class SeriesMonitor:
         if self._kept.points:
             last = self._kept.points[-1]
             if base is not None:
-                band = band_name(MEASURES.index(last.measure), self._kept.source.sample_rate)
-                reasons.append(f'{band}: {signed(last.over_baseline)} dB over the baseline')
+                measure = _measured(last.measure, self._kept.source.sample_rate)
+                reasons.append(f'{measure}: {signed(last.over_baseline)} dB over the baseline')
                 if (
                     self._kept.held in ('suspect', 'fault')
                     and (usual := self._usual()) is not None
@@ -523,6 +541,13 @@ class SeriesMonitor:
             f'{count} snapshots not judged: {why}' for why, count in self._kept.refused.items()
         ]
         return tuple(reasons)
+
+
+def _measured(measure: str, sample_rate: float) -> str:
+    """Return the name of a measure at a sample rate, Hz, in plain words."""
+    if measure == IMPACTS:
+        return f'impacts in most turns of the cage, from {lowest_hz(sample_rate):g} Hz on'
+    return band_name(MEASURES.index(measure), sample_rate)
 
 
 def _long(seconds: float) -> str:

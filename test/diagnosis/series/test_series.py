@@ -440,6 +440,41 @@ def test_damage_that_does_not_double_the_level_is_named():
     assert report.alarm == 44 * 600.0 and np.isnan(report.change)
 
 
+@pytest.mark.parametrize(
+    ('place', 'peak', 'rate', 'shaft_hz', 'seconds', 'low'),
+    [('cage', 15.0, 12800.0, 5.0, 2.0, 1000), ('ball', 8.0, 25600.0, 35.0, 0.3, 1000),
+     ('cage', 15.0, 6400.0, 5.0, 2.0, 800)],
+)  # fmt: skip
+def test_rare_impacts_that_hardly_raise_the_level_are_an_alarm(
+    place, peak, rate, shaft_hz, seconds, low
+):
+    """Few impacts a snapshot, at the end of ``peak`` times the RMS; spikes in one of four."""
+    rng, monitor = np.random.default_rng(11), SeriesMonitor(None)
+    order = fault_orders(find_bearing('6205')).impacts('cage')
+    t = np.arange(round(0.004 * rate)) / rate
+    ring = np.exp(-600.0 * t) * np.sin(2.0 * np.pi * min(3000.0, 0.3 * rate) * t)
+    levels = []
+    for number in range(160):
+        x = rng.standard_normal(round(rate * seconds))
+        # A ball is hit in the load zone only: here three times a turn of the cage.
+        turns = np.arange(rng.random(), order * shaft_hz * seconds)
+        strikes = turns if place == 'cage' else np.add.outer(turns, (0.0, 0.09, 0.18)).ravel()
+        for start in (strikes / (order * shaft_hz) * rate).astype(int):
+            part = x[start : start + len(ring)]
+            part += peak * max(number - 100, 0) / 60.0 * ring[: len(part)]
+        if rng.random() < 0.25:
+            x[rng.integers(0, len(x), 3)] += 60.0
+        levels.append(monitor.add(600.0 * number, x, rate, shaft_hz).level)
+    report = monitor.report()
+    assert set(levels[:100]) == {'none', 'ok'}
+    assert report.level in ('suspect', 'fault')
+    rms = np.array([point.rms for point in report.points])
+    assert 20.0 * np.log10(np.median(rms[-5:]) / np.median(rms[:60])) < 4.0
+    said = f'impacts in most turns of the cage, from {low} Hz on: +'
+    assert any(why.startswith(said) for why in report.reasons)
+    assert 100 * 600.0 <= report.change <= report.first_alarm
+
+
 def test_each_snapshot_at_another_speed_is_judged_alone():
     rng, bearing = np.random.default_rng(5), find_bearing('6205')
     monitor = SeriesMonitor(bearing, DiagnosisSettings(baseline_windows=20))
