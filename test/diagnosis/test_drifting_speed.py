@@ -97,6 +97,36 @@ def test_impacts_a_whole_number_of_times_a_turn_name_no_race_beside_it(drift, sh
     assert len(named) <= 1, named
 
 
+@pytest.mark.parametrize('turns', [3, 5])
+def test_impacts_a_whole_number_of_times_a_turn_are_no_alarm_at_a_speed_that_moves_a_little(turns):
+    """The lines of the shaft are sharp, or its speed is measured; line five smears farther."""
+    given = (1.0, {'speed_tolerance': 0.002}), (0.995, {})
+    for seed, (drift, (off, known)) in enumerate(product((0.003, 0.006, 0.01), given)):
+        x, rate = _drifting('coupling', drift, seed, float(turns))
+        said = diagnose_record(x, rate, find_bearing('6203'), 24.6 * off, **known)
+        assert said.level == 'suspect', (drift, off, said.reasons)
+
+
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+def test_a_race_beside_a_whole_order_keeps_its_name_at_a_speed_that_moves_a_little(place):
+    order = fault_orders(find_bearing('6203'), 0.005).impacts(place)
+    for seed, drift in enumerate((0.003, 0.006, 0.01)):
+        x, rate = _drifting(place, drift, seed, order)
+        known = {'speed_tolerance': 0.002}
+        said = diagnose_record(x, rate, find_bearing('6203'), 24.6, **known)
+        assert (said.result, said.level) == (place, 'fault'), (drift, said.reasons)
+
+
+def test_a_short_window_that_parts_no_slip_from_a_whole_order_keeps_the_alarm():
+    """In 49 turns each outer race of a 6203 is within some bins of order three."""
+    for seed, slip in enumerate((0.01, 0.015, 0.02)):
+        order = fault_orders(find_bearing('6203'), slip).bpfo
+        x, rate = _drifting('outer', 0.0, seed, order)
+        known = {'speed_tolerance': 0.002}
+        said = diagnose_record(x[: 2 * int(rate)], rate, find_bearing('6203'), 24.6, **known)
+        assert (said.level, said.faults) == ('fault', ('outer',)), (slip, said.reasons)
+
+
 @pytest.mark.parametrize('name', ['6307', '6203'])
 def test_a_race_beside_a_whole_order_is_named_where_the_shaft_shows(name):
     """The lines of the shaft tell the speed, and with it that the order is no whole number."""

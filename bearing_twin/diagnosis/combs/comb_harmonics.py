@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.combs.harmonics import (
     denser_series,
+    height_beyond_whole,
     line_heights,
     masked_by_shaft,
     MISSING,
@@ -25,6 +26,7 @@ from bearing_twin.diagnosis.thresholds import (
     MAINS_HZ,
     RIVAL,
     STEADY,
+    UNLIKELY_SLIP,
 )
 import numpy as np
 
@@ -40,6 +42,13 @@ if TYPE_CHECKING:
 _SHARP = 1.5
 """Bins within which the lines of a shaft at a steady speed fall to two thirds of their score. They
 do so within 1.1 bins in simulations, and not within 2.5 if the speed drifts by 3 % in 8 s."""
+_SLIP_BINS = 12.0
+"""Bins that the slips of a bearing under load spread over where a window tells a race from a whole
+order: a line is as wide as 1.5 bins to either side, a quarter of these."""
+_BEYOND = 1.0 / 3.0
+"""Least height of the lines beyond a whole order over that on the side of a comb that is the skirt
+of lines there. It is 1 in the mean for a part of a shaft whose speed moves, 0 for a race beside
+the order; in windows of 8 s simulated ones have 0.37 and more, and up to 0.27."""
 
 
 class CombHarmonics:
@@ -160,9 +169,9 @@ class CombHarmonics:
         Return the strikes a turn with which a part of the shaft would make a comb; 0 if none can.
 
         It can if the order is a whole number within the uncertainty of a speed that neither a
-        measurement nor the lines of the shaft give, or if the speed moves so that the comb smears
-        over a whole number. A comb with the sidebands of a load zone is an inner race, unless they
-        are as high as its harmonics and fit the shaft as well.
+        measurement nor the lines of the shaft give, or if the comb smears over a whole number. A
+        comb with the sidebands of a load zone is an inner race, unless they are as high as its
+        harmonics and fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
         inner = candidate.place == 'inner'
@@ -172,17 +181,38 @@ class CombHarmonics:
                 return 0
             columns = np.array([candidate.band])
             return turns if spaced_by_shaft(self._whole, order, columns, self._tolerance) else 0
+        strikes = high_sidebands and not inner
+        if not turns or (candidate.place == 'ball' and not strikes):
+            return 0
         # Strikes once a turn have equally high lines, which look sharp if the speed moves a
         # little.
-        strikes = high_sidebands and not inner
-        if not turns or self._spread <= (0.0 if strikes else _SHARP * self._whole.step):
-            return 0
+        told = self._spread <= (0.0 if strikes else _SHARP * self._whole.step)
         spread = self._spread if math.isfinite(self._spread) else 0.0
         uncertainty = self._expected.uncertainty
         slack = max(spread, uncertainty) if strikes else spread or uncertainty
-        if abs(order - turns) > slack * order and not self._reaches(order, turns):
-            return 0
-        return turns if strikes or candidate.place != 'ball' else 0
+        if told:
+            return turns if self.smears_over_whole(candidate) else 0
+        near = abs(order - turns) <= slack * order
+        return turns if near or self._reaches(order, turns) else 0
+
+    def smears_over_whole(self, candidate: Candidate) -> bool:
+        """
+        Return whether a comb is the skirt of lines at a whole order, at a speed that is known.
+
+        A speed that moves smears the line n of a shaft n times as far as its first, so that the
+        skirt passes the bins that are left out at multiples of the shaft. It smears to both sides.
+        A race lies beside a whole order, and reaches it if its slip changes, but not as far beyond
+        it. A short window does not tell.
+        """
+        order, turns = candidate.order, round(candidate.order)
+        parted = _SLIP_BINS * self._whole.step <= UNLIKELY_SLIP * order
+        known = turns and parted and math.isfinite(self._spread)
+        if not (known and self._reaches(order, turns)):
+            return False
+        # Of a speed that is not measured the middle is as uncertain as its lines are wide.
+        if abs(order - turns) <= self._spread * order:
+            return True
+        return height_beyond_whole(self._whole, order, self.columns(order)) >= _BEYOND
 
     def _reaches(self, order: float, whole: float) -> bool:
         """Return whether a comb has half its score at all orders from its own to a whole one."""

@@ -46,6 +46,9 @@ at a multiple of an order are below it, faults are not (studies.half_pulses)."""
 _APART = 2.0
 """Least difference between sideband heights at two spacings, standard deviations."""
 
+_WIDEST = 12
+"""Bins to either side of a whole order in which the smeared lines of a shaft are looked for."""
+
 _SLOWEST = 0.12
 """Lowest fundamental order of a denser series."""
 
@@ -324,6 +327,38 @@ def spaced_by_shaft(
     heights = line_heights(spectra, lines.ravel(), columns).reshape(lines.shape).mean(axis=1)
     scatter = _SPREAD / math.sqrt(lines.shape[1] * spectra.weight)
     return bool(heights[0] > heights.max() - _APART * scatter)
+
+
+def height_beyond_whole(spectra: OrderSpectra, order: float, columns: NDArray[np.intp]) -> float:
+    """
+    Return the height of the lines beyond whole orders over that of the lines beside a comb.
+
+    They are the lines within twelve bins to either side of the second to fourth multiple of the
+    whole order next to the comb, each less two standard deviations of noise. Where the speed of a
+    shaft moves its lines smear to both sides, and the ratio is 1 in the mean; a race lies on one.
+
+    Parameters
+    ----------
+    spectra, order, columns
+        As in :func:`denser_series`.
+
+    >>> import numpy as np
+    >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
+    >>> race = OrderSpectra.of_lines(3.03 * np.arange(1, 5))
+    >>> height_beyond_whole(race, 3.03, np.array([0]))
+    0.0
+    >>> smeared = OrderSpectra.of_lines((3.0 + np.array([[-0.02], [0.02]])) * np.arange(1, 5))
+    >>> height_beyond_whole(smeared, 3.02, np.array([0]))
+    1.0
+
+    """
+    turns = round(order)
+    bins = np.arange(1, _WIDEST + 1) * (spectra.step if order > turns else -spectra.step)
+    whole = turns * np.arange(2.0, HARMONICS + 1.0)[:, None]
+    sides = (line_heights(spectra, (whole + side * bins).ravel(), columns) for side in (1.0, -1.0))
+    noise = 2.0 * _SPREAD / math.sqrt(spectra.weight)
+    own, beyond = (float(np.maximum(heights - noise, 0.0).sum()) for heights in sides)
+    return beyond / max(own, noise)
 
 
 @compiled(fast=FAST, borrows=True)

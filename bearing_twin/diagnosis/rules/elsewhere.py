@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.rules.fits import what_fits
 from bearing_twin.diagnosis.rules.rule import EVEN, rule
-from bearing_twin.diagnosis.rules.verdict import say, unless_loose
+from bearing_twin.diagnosis.rules.verdict import say, unless_shaft
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
     IMPACTS,
@@ -165,10 +165,11 @@ def whole_turns(e: Evidence) -> Verdict | None:
     if e.leading.slip > UNLIKELY_SLIP or not e.whole_turns:
         return None
     text = (
-        f'the shaft speed is not known well enough to tell it from {e.whole_turns} impacts a '
-        'turn, as of a coupling; give a measured speed'
+        f'the shaft speed is not known well enough, or moves too far, to tell it from '
+        f'{e.whole_turns} impacts a turn, as of a coupling; give a measured speed, and record '
+        'while it is steady'
     )
-    return say(e, text, about=e.leading, level=unless_loose(e, e.leading))
+    return say(e, text, about=e.leading, level=unless_shaft(e, e.leading))
 
 
 @rule('suspect', "A comb with sidebands of another bearing's cage is that of its ball.")

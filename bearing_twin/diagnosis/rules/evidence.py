@@ -554,9 +554,15 @@ class Evidence:
         return self._low_lines()
 
     @_measured(undisturbed=frozenset())
-    def loose_shaft(self) -> frozenset[str]:
-        """Places whose comb may be of strikes once a turn: its shaft sidebands are as high."""
-        found = (c for c in self._races_and_balls if self._sidebands.has_high_shaft_sidebands(c))
+    def fits_shaft(self) -> frozenset[str]:
+        """
+        Places whose comb strikes of the shaft explain at least as well.
+
+        Its shaft sidebands are as high, as of strikes once a turn, or it smears over a whole
+        order, as of several strikes a turn.
+        """
+        high, smears = self._sidebands.has_high_shaft_sidebands, self._harmonics.smears_over_whole
+        found = (c for c in self._races_and_balls if high(c) or smears(c))
         return frozenset(c.place for c in found if self._harmonics.whole_turns(c))
 
     smooth = _of_leading('_harmonics', CombHarmonics.smooth, undisturbed=False)

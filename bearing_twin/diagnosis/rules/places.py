@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.combs.candidate import RACES
 from bearing_twin.diagnosis.rules.rule import EVEN, rule
-from bearing_twin.diagnosis.rules.verdict import NO_ALARM, say, unless_loose
+from bearing_twin.diagnosis.rules.verdict import NO_ALARM, say, unless_shaft
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL, SLIP_COST, SWAY
 
@@ -35,7 +35,7 @@ def load_zone_modulated(e: Evidence) -> Verdict | None:
         'race, which passes through the load zone; a longer window or steadier conditions '
         'part them'
     )
-    places, level = ('inner', comb.place), unless_loose(e, comb)
+    places, level = ('inner', comb.place), unless_shaft(e, comb)
     return say(e, str(inner), text, about=comb, faults=places, level=level)
 
 
@@ -50,7 +50,7 @@ def same_lines(e: Evidence) -> Verdict | None:
         'a longer window or an exact speed may part them'
     )
     places = (one.place, *(c.place for c in e.same_lines))
-    level = unless_loose(e, one)
+    level = unless_shaft(e, one)
     return say(e, *map(str, e.same_lines), text, about=one, faults=places, level=level)
 
 

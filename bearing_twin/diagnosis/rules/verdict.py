@@ -109,17 +109,17 @@ def no_statement(e: Evidence, text: str) -> Verdict:
     return say(e, *map(str, e.faint), text, level='none')
 
 
-def unless_loose(e: Evidence, comb: Candidate) -> str:
+def unless_shaft(e: Evidence, comb: Candidate) -> str:
     """
-    Return the level of a comb: *fault* if it is strong and no loose shaft makes such lines.
+    Return the level of a comb: *fault* if it is strong and strikes of the shaft do not fit it.
 
     >>> from bearing_twin.diagnosis.combs.candidate import Candidate
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
-    >>> unless_loose(Evidence.of(inner), inner)
+    >>> unless_shaft(Evidence.of(inner), inner)
     'fault'
-    >>> unless_loose(Evidence.of(loose_shaft={'inner'}), inner)
+    >>> unless_shaft(Evidence.of(fits_shaft={'inner'}), inner)
     'suspect'
 
     """
-    return 'fault' if comb.index >= INDEX_FAULT and comb.place not in e.loose_shaft else 'suspect'
+    return 'fault' if comb.index >= INDEX_FAULT and comb.place not in e.fits_shaft else 'suspect'

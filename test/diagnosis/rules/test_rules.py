@@ -546,7 +546,7 @@ def test_cage_sidebands_that_passing_balls_make_leave_the_outer_race_open(ratio,
 
 
 def test_lines_of_a_loose_shaft_are_no_alarm():
-    of_shaft = {'loose_shaft': frozenset({'outer'})}
+    of_shaft = {'fits_shaft': frozenset({'outer'})}
     doubtful = (
         Evidence.of(INNER_SIDEBAND, **SIDEBAND, **of_shaft),
         Evidence.of(OUTER, whole_turns=3, **of_shaft),
