@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 
 SILENT_AFTER = 2.0
+CROWDED_SHOWN = 10.0
+"""Time for which stamps that were too near to each other are reported, s."""
 ARRAY = 'float32_multi_array'
 IMU = 'imu'
 
@@ -98,7 +100,7 @@ class AdapterNode(ManagedNode):
         self._untimed = 0
         self._problem = ''
         self._refused = 0
-        self._arrived = math.nan
+        self._arrived = self._crowded = math.nan
         self._until = 0
         self._vibration = self.create_lifecycle_publisher(
             Vibration, 'vibration', own(STREAM), qos_overriding_options=OVERRIDES
@@ -180,6 +182,8 @@ class AdapterNode(ManagedNode):
             return
         if missing:
             self._gap(missing)
+        if self._stamps.crowded:
+            self._crowded = self._arrived
         acceleration = message.linear_acceleration
         sample = np.array([[acceleration.x], [acceleration.y], [acceleration.z]], dtype=np.float32)
         self._publish(self._builder.push(sample, stamp=stamp, rate=rate), rate)
@@ -271,6 +275,12 @@ class AdapterNode(ManagedNode):
             )
         elif wrong:
             level, message = Level.ERROR if wrong.refused else Level.WARN, wrong.text
+        elif self._arrived - self._crowded < CROWDED_SHOWN:
+            level = Level.WARN
+            message = (
+                'stamps are late and then too near to each other, so that samples count as lost: '
+                'stamp them where the sensor is read, or send blocks (source float32_multi_array)'
+            )
         else:
             level, message = Level.OK, 'samples are fresh'
         return Status(

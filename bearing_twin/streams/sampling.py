@@ -83,6 +83,9 @@ class StampTracker:
         """Forget all stamps; an estimated rate is estimated again."""
         self.rate = self._given
         """Sample rate, Hz; 0 while it is not known."""
+        self.crowded = False
+        """Whether the last stamp is after the one before, but by less than the jitter allows. A
+        source that stamps its samples when it sends them, and was held up, does so."""
         self._first: list[int] = []
         self._expected: float | None = None
         self._jitter = 0.12  # start value, low enough to detect a single loss
@@ -115,17 +118,20 @@ class StampTracker:
         if not self.rate:
             self._estimate(stamp)
             return 0
+        in_order = self._last is not None and stamp > self._last
         if self._last is not None:
             self._steps.append(stamp - self._last)
         self._last = stamp
         period = NANO / self.rate
         gap = 0
+        self.crowded = False
         if self._expected is None:
             self._expected = float(stamp)
         error = stamp - self._expected
         tolerated = min(LEAST_TOLERATED + 4.0 * self._jitter, MOST_TOLERATED) * period
         if abs(error) > tolerated:
             gap = (round(error / period) or -1) if error <= LONGEST_GAP else -1
+            self.crowded = in_order and error < 0.0
             self._expected = float(stamp)
             error = 0.0
         self._jitter += TRACKING_GAIN * (abs(error) / period - self._jitter)

@@ -93,6 +93,20 @@ def test_clock_set_back_is_a_restart():
     assert tracker.missing(NANO + 1_000_000) == 0
 
 
+def test_stamps_of_a_source_that_was_held_up_are_told_from_losses_and_restarts():
+    held_up = stamps(1000.0, 2000)
+    held_up[1000:1006] = held_up[1006] - np.arange(6, 0, -1) * 10_000
+    lost = np.delete(stamps(1000.0, 2000), slice(1000, 1006))
+    restarted = np.concatenate([stamps(1000.0, 1000), stamps(1000.0, 1000)])
+    for times, some in ((held_up, True), (lost, False), (restarted, False)):
+        tracker = StampTracker(1000.0)
+        crowded = []
+        for t in times:
+            tracker.missing(int(t))
+            crowded.append(tracker.crowded)
+        assert any(crowded) == some
+
+
 def test_message_numbers_show_missing_messages_and_new_sources():
     tracker = SequenceTracker()
     answers = [tracker.missing('a', n) for n in (7, 8, 11)]
