@@ -130,16 +130,16 @@ class RecorderNode(ManagedNode):
         try:
             self._writer.close()
         except BearingTwinError:
+            # The error tells what is lost; what was written is not yet known to be on the disk.
             self.failed = True
             raise
-        finally:
-            # Not the logger of the node: its /rosout publisher may be gone.
-            missing = self._lost_on_the_way
-            get_logger(LOGGER).info(
-                f'{self._writer.path}: {self._writer.written} messages, '
-                f'{self._writer.size / 1e6:.1f} MB, {self._writer.lost} lost'
-                + (f', {missing} more on the way' if missing else '')
-            )
+        # Not the logger of the node: its /rosout publisher may be gone.
+        missing = self._lost_on_the_way
+        get_logger(LOGGER).info(
+            f'{self._writer.path}: {self._writer.written} messages, '
+            f'{self._writer.size / 1e6:.1f} MB, {self._writer.lost} lost'
+            + (f', {missing} more on the way' if missing else '')
+        )
 
     def _on_message(self, topic: str, type_name: str, cdr: bytes, info: MessageInfo) -> None:
         if info['received_timestamp']:
