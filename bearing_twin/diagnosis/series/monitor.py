@@ -315,8 +315,8 @@ class SeriesMonitor:
             return 'a constant signal'
         if shaft_hz <= 0.0:
             return 'the machine stands still'
-        if math.isinf(shaft_hz):
-            return 'an infinite shaft speed'
+        if shaft_hz > HIGHEST_RATE:
+            return f'a shaft speed above {HIGHEST_RATE:g} Hz; is it in Hz?'
         return ''
 
     def _laws(self) -> list[Law]:

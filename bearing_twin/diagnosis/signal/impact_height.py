@@ -100,8 +100,8 @@ def impact_height(x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -
     heights = np.partition(high[: blocks * block].reshape(blocks, block), rank, axis=1)[:, rank]
     rare = np.where(_PARTNER * heights > _a_turn_away(heights, sample_rate / shaft_hz / block),
                     heights, 0.0)  # fmt: skip
-    turn = CAGE_TURN / shaft_hz if math.isfinite(shaft_hz) else UNKNOWN_TURN
-    turns = min(max(int(count / (turn * sample_rate)), 1), blocks)
+    cage_hz = shaft_hz / CAGE_TURN if math.isfinite(shaft_hz) else 1.0 / UNKNOWN_TURN
+    turns = int(min(max(count / sample_rate * cage_hz, 1.0), blocks))
     each = rare[: turns * (blocks // turns)].reshape(turns, -1).max(axis=1)
     quiet = float(np.sort(heights)[blocks // 4 : blocks - blocks // 4].mean())
     return max(float(np.median(each)), _FLOOR * quiet, _STEPS * step)

@@ -185,6 +185,14 @@ def test_a_machine_that_is_not_judged_any_more_is_not_ok(height, hertz, why):
     assert monitor.report().level == 'ok'
 
 
+@pytest.mark.parametrize('hertz', [1e300, math.inf])
+def test_a_shaft_speed_of_no_machine_is_not_judged(hertz):
+    """In a short snapshot it was an index that no array has."""
+    monitor = SeriesMonitor(None)
+    assert monitor.add(0.0, np.random.default_rng(0).standard_normal(200), RATE, hertz) is None
+    assert '1 snapshots not judged: a shaft speed above 1e+09 Hz' in monitor.report().reasons[-1]
+
+
 def test_a_machine_that_stood_before_it_was_known_is_not_alarmed_when_it_runs_again():
     """Its speed is a nameplate's, so that it is not known to stand; it warms up all the time."""
     monitor, rng = SeriesMonitor(None), np.random.default_rng(5)
