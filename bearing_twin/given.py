@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Numbers and samples that a caller gives, checked before they change any state.
+Values that a caller gives, checked before they change any state.
 
 NumPy would turn text into numbers, drop imaginary parts and masks, and round huge integers. Here
 such values are errors.
@@ -80,6 +80,27 @@ def real_number(name: str, value: Any) -> float:
         msg = f'{name}={value!r:.40} is not a real number; give one'
         raise BearingTwinError(msg)
     return float(found)
+
+
+def check_kind(name: str, value: Any, kind: type, remedy: str) -> None:
+    """
+    Refuse a value that is no instance of a class.
+
+    Raises
+    ------
+    BearingTwinError
+        The text names value, class and remedy.
+
+    Examples
+    --------
+    >>> check_kind('load', '5', float, 'give it in N')
+    Traceback (most recent call last):
+    bearing_twin.errors.BearingTwinError: load='5' is not a float; give it in N
+
+    """
+    if not isinstance(value, kind):
+        msg = f'{name}={value!r:.40} is not a {kind.__name__}; {remedy}'
+        raise BearingTwinError(msg)
 
 
 def one_axis(values: Any, name: str = 'x') -> NDArray[np.float64]:

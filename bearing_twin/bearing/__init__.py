@@ -12,6 +12,7 @@ from bearing_twin.bearing.catalogue import (
 )
 from bearing_twin.bearing.geometry import (
     Bearing,
+    check_geometry,
     fault_frequencies,
     fault_orders,
     FaultFrequencies,
@@ -50,6 +51,7 @@ __all__ = [
     'basic_static_rating',
     'bearing_of_orders',
     'catalogue',
+    'check_geometry',
     'close_bearings',
     'contact_pressure',
     'contact_stiffness',

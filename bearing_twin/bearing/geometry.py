@@ -9,6 +9,8 @@ import math
 from typing import Literal, NamedTuple
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import check_kind, real_number
+from bearing_twin.quantity import check_whole
 
 
 class FaultFrequencies(NamedTuple):
@@ -85,7 +87,8 @@ class Bearing:
     Raises
     ------
     BearingTwinError
-        If the elements do not fit on the pitch circle or a value is out of its range.
+        If the elements do not fit on the pitch circle or a value is out of its range or no
+        number.
 
     Examples
     --------
@@ -113,6 +116,13 @@ class Bearing:
     source: str = ''
 
     def __post_init__(self) -> None:
+        for name in ('n_balls', 'rows'):
+            check_whole(name, getattr(self, name))
+        for name in ('d_ball', 'd_pitch', 'contact_angle'):
+            real_number(name, getattr(self, name))
+        for name in ('bore', 'outside', 'width', 'dynamic_rating', 'static_rating'):
+            if getattr(self, name) is not None:
+                real_number(name, getattr(self, name))
         if not 3 <= self.n_balls <= 100:
             msg = f'n_balls={self.n_balls} is outside 3..100; give the number of rolling elements'
             raise BearingTwinError(msg)
@@ -163,6 +173,20 @@ class Bearing:
         if self.bore is None or self.outside is None:
             return self.d_pitch
         return 0.5 * (self.bore + self.outside)
+
+
+def check_geometry(bearing: Bearing) -> None:
+    """
+    Refuse what is not a :class:`Bearing`, such as the name of one.
+
+    Examples
+    --------
+    >>> check_geometry('6307')
+    Traceback (most recent call last):
+    bearing_twin.errors.BearingTwinError: bearing='6307' is not a Bearing; use find_bearing
+
+    """
+    check_kind('bearing', bearing, Bearing, 'use find_bearing')
 
 
 def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:

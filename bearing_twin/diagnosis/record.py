@@ -10,7 +10,7 @@ import itertools
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import FAULT_CODES, LEVELS, PLACES
+from bearing_twin.bearing import check_geometry, FAULT_CODES, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.machine.level import UNKNOWN, with_fault_stage, with_required_level
 from bearing_twin.diagnosis.rules.table import FAINT
@@ -94,9 +94,9 @@ def diagnose_record(
     Raises
     ------
     BearingTwinError
-        If x is not one-dimensional, ``shaft_hz`` is neither a number nor of the shape of x, or a
-        setting is outside its range. A record that cannot be diagnosed is no error: the result is
-        ``insufficient`` and the reasons say why.
+        If x is not one-dimensional, ``bearing`` is only a name, ``shaft_hz`` is neither a number
+        nor of the shape of x, or a setting is outside its range. A record that cannot be diagnosed
+        is no error: the result is ``insufficient`` and the reasons say why.
 
     Examples
     --------
@@ -114,6 +114,7 @@ def diagnose_record(
     ('inner', 'fault')
 
     """
+    check_geometry(bearing)
     settings = settings or DiagnosisSettings()
     if speed_tolerance is not None:
         settings = replace(settings, speed_tolerance=speed_tolerance)

@@ -11,6 +11,7 @@ import itertools
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.bearing import check_geometry
 from bearing_twin.diagnosis.chain import Excerpt, Stretch
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
 from bearing_twin.diagnosis.machine.trend import Source, Trend
@@ -201,6 +202,7 @@ class StreamingDiagnoser:
     """
 
     def __init__(self, bearing: Bearing, settings: DiagnosisSettings | None = None) -> None:
+        check_geometry(bearing)
         self._bearing = bearing
         self._settings = settings or DiagnosisSettings()
         self._earlier: deque[tuple[int, OrderSpectra]] = deque()
@@ -226,6 +228,8 @@ class StreamingDiagnoser:
         self, bearing: Bearing | None = None, settings: DiagnosisSettings | None = None
     ) -> None:
         """Change geometry or settings; the window starts anew, the baseline remains."""
+        if bearing is not None:
+            check_geometry(bearing)
         self._bearing = bearing or self._bearing
         self._settings = settings or self._settings
         self._restart(self._next, 'window restarted: bearing or settings were changed')

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 import math
 from typing import get_args, Literal
 
-from bearing_twin.bearing import Bearing, Place, PLACES, radial_factor
+from bearing_twin.bearing import Bearing, check_geometry, Place, PLACES, radial_factor
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.given import real_number
+from bearing_twin.given import check_kind, real_number
 from bearing_twin.quantity import check_fields, check_range, check_whole, quantities, quantity
 from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0, FRICTION_TABLE, TABLE_HIGH, TABLE_LOW
@@ -54,6 +55,7 @@ def check_bearing(bearing: Bearing) -> None:
     >>> check_bearing(find_bearing('6205'))
 
     """
+    check_geometry(bearing)
     if bearing.element != 'ball' or bearing.rows != 1:
         msg = (
             f'{bearing.name} has {bearing.rows} row(s) of {bearing.element}s, and the twin '
@@ -313,6 +315,15 @@ class TwinParameters:
     def __post_init__(self) -> None:
         check_bearing(self.bearing)
         check_fields(self)
+        for name, kind in (
+            ('beta0', Beta0),
+            ('lubricant', Lubricant),
+            ('network', ThermalNetwork),
+        ):
+            check_kind(name, getattr(self, name), kind, f'make one with {kind.__name__}()')
+        check_kind('defects', self.defects, Sequence, 'give a tuple of Defect')
+        for index, defect in enumerate(self.defects):
+            check_kind(f'defects[{index}]', defect, Defect, 'give a tuple of Defect')
         about = quantities(TwinParameters)
         about['hertz_stiffness'][1].check('hertz_stiffness', self.k_b0)
         about['friction_series'][1].check(

@@ -281,6 +281,17 @@ def test_bytes_of_something_else_are_refused(data):
         StreamingDiagnoser(BEARING).load(data)
 
 
+def test_the_name_of_a_bearing_is_no_bearing():
+    diagnoser, said = StreamingDiagnoser(BEARING), "bearing='6205' is not a Bearing"
+    with pytest.raises(BearingTwinError, match=said):
+        StreamingDiagnoser('6205')
+    with pytest.raises(BearingTwinError, match=said):
+        diagnoser.reconfigure('6205')
+    with pytest.raises(BearingTwinError, match=said):
+        diagnose_record(np.zeros(4), RATE, '6205', SHAFT_HZ)
+    assert diagnoser.bearing is BEARING
+
+
 def test_damaged_states_are_refused_and_leave_the_state_alone():
     diagnoser = StreamingDiagnoser(BEARING, SHORT)
     _push(diagnoser, fault_signal(4.0))

@@ -54,6 +54,21 @@ REFUSED = {
     'unit': (lambda: Beta0(alpha_unit=1e-4), 'alpha_unit=0.0001', '1e-5', 'choose'),
     'T0': (lambda: Beta0(reference_temperature=0.0), '=0.0', '20..110 degC', 'choose'),
     'H0': (lambda: Beta0(reference_hardness=-1.0), 'hardness=-1.0', '1..100 HRC', 'choose'),
+    'text': (lambda: bearing(n_balls='9'), "n_balls='9'", 'whole number', 'give one without'),
+    'part of a ball': (lambda: bearing(n_balls=8.5), '8.5', 'whole number', 'give one without'),
+    'size': (lambda: bearing(d_ball=None), 'd_ball=None', 'real number', 'give one'),
+    'text as bore': (
+        lambda: dataclasses.replace(B, bore='35'), "bore='35'", 'real number', 'give one'),
+    'name of a bearing': (
+        lambda: build(bearing='6307'), "bearing='6307'", 'Bearing', 'use find_bearing'),
+    'name of an oil': (
+        lambda: build(lubricant='VG 68'), "lubricant='VG 68'", 'Lubricant', 'make one'),
+    'name of a place': (
+        lambda: build(defects='inner'), "defects[0]='i'", 'Defect', 'give a tuple'),
+    'no defects': (
+        lambda: build(defects=None), 'defects=None', 'Sequence', 'give a tuple of Defect'),
+    'name of a preset': (
+        lambda: Simulator('paper'), "parameters='paper'", 'TwinParameters', 'preset'),
     'few balls': (lambda: bearing(n_balls=2), 'n_balls=2', '3..100', 'give the number'),
     'crowded': (lambda: bearing(n_balls=13), '13 elements of 0.014', '0.0575 m', 'check n_balls'),
     'millimetres': (

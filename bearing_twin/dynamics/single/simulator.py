@@ -15,7 +15,7 @@ from bearing_twin.dynamics.equations import coefficients, filters, inner_ring
 from bearing_twin.dynamics.equations.layout import CHUNK, STATE
 from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.equations.waviness import surfaces
-from bearing_twin.dynamics.parameters import check_speed
+from bearing_twin.dynamics.parameters import check_speed, TwinParameters
 from bearing_twin.dynamics.saved import identity, StateFormat
 from bearing_twin.dynamics.single import kernel, objects
 from bearing_twin.dynamics.single.condition import (
@@ -27,7 +27,7 @@ from bearing_twin.dynamics.single.condition import (
 )
 from bearing_twin.dynamics.single.tables import ball_table, defect_table, equations_of, machine
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.given import one_axis
+from bearing_twin.given import check_kind, one_axis
 from bearing_twin.numerics.compiled import compiled
 from bearing_twin.quantity import check_range, check_whole
 from bearing_twin.thermal.gcr15 import check_temperature
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from bearing_twin.dynamics.equations.layout import Records
-    from bearing_twin.dynamics.parameters import TwinParameters
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -387,6 +386,7 @@ class Simulator:
         self._start_motion()
 
     def _configure(self, parameters: TwinParameters) -> None:
+        check_kind('parameters', parameters, TwinParameters, 'preset returns some')
         p = parameters
         # Long steps, and short steps with one sensor sample each.
         long = filters.least_steps(self.sample_rate)
