@@ -341,6 +341,15 @@ def test_what_cannot_be_said_is_no_success():
     assert ran.stderr.startswith(b'bearing-twin whatif: - holds no fit; write one')
 
 
+@pytest.mark.parametrize('fit', ['/dev/zero', '-'])
+def test_what_has_no_end_is_no_fit(fit):
+    with Path('/dev/zero').open('rb') as zeros:
+        ran = subprocess.run([*COMMAND, 'whatif', fit], stdin=zeros, capture_output=True)
+    assert ran.returncode == 1
+    said = f'bearing-twin whatif: {fit} holds no fit (more than 67108864 characters); write one'
+    assert ran.stderr.decode().startswith(said)
+
+
 @pytest.mark.parametrize(
     ('words', 'where', 'status', 'said'),
     [

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import asdict
 import json
 from pathlib import Path
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     import argparse
 
     from bearing_twin.calibration.whatif import Interval
+
+
+MOST_TEXT = 2**26
+"""Most characters of a file of fits; a fit has some thousand."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +79,10 @@ def _fits(name: str) -> list[dict[str, object]]:
     """Return the objects of a file of JSON lines."""
     remedy = "write one with 'bearing-twin fit FILE --json > FIT'"
     try:
-        text = sys.stdin.read() if name == '-' else Path(name).read_text('utf-8')
+        with nullcontext(sys.stdin) if name == '-' else Path(name).open(encoding='utf-8') as file:
+            text = file.read(MOST_TEXT + 1)
+        if len(text) > MOST_TEXT:
+            raise ValueError(f'more than {MOST_TEXT} characters')
         rows = [json.loads(line) for line in text.splitlines() if line.strip()]
     except OSError as error:
         msg = f'{name} cannot be read: {error.strerror}'
