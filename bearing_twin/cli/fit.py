@@ -204,14 +204,13 @@ def _page(source: str, found: Calibration) -> str:
     ]
     reasons: dict[str, list[str]] = {}
     for quantity, value in found.quantities.items():
-        word = 'identifiable' if value.identifiable else 'not identifiable'
         lines.append(
             f'{quantity:<20} {value.q05:>10.4g} {value.median:>10.4g} {value.q95:>10.4g}  '
             f'{"yes" if value.identifiable else "no":<3} '
             f'{value.unit.replace("unit of the samples", "unit")}'.rstrip()
         )
-        reasons.setdefault(f'{word}: {value.why}', []).append(quantity)
+        reasons.setdefault(value.why, []).append(quantity)
     # Many quantities share a reason, and a row with its own would be too wide.
     for reason, quantities in reasons.items():
-        lines += ['', *wrap(f'{", ".join(quantities)} {reason}', 78)]
+        lines += ['', *wrap(f'{", ".join(quantities)}: {reason}', 78)]
     return '\n'.join(lines)
