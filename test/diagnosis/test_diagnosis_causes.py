@@ -216,6 +216,20 @@ def test_comb_with_sidebands_of_the_shaft_is_no_ball_fault(rng, slip):
     assert 'inner' in said.faults
 
 
+@pytest.mark.parametrize('seed', [0, 3])
+def test_a_cage_whose_turns_differ_by_one_per_cent_is_named(seed):
+    """Its harmonic at the outer race's order is smeared, those below it are not of a load."""
+    rng, bearing = np.random.default_rng(seed), find_bearing('6205')
+    gaps = (1.0 + 0.01 * rng.standard_normal(100)) / (fault_orders(bearing, 0.005).ftf * 29.0)
+    impacts = np.zeros(2 * N)
+    at = (np.cumsum(gaps) * RATE).astype(int)
+    impacts[at[at < 2 * N]] = np.exp(0.3 * rng.standard_normal(np.count_nonzero(at < 2 * N)))
+    x = 20.0 * np.convolve(impacts, RING)[: 2 * N] + rng.standard_normal(2 * N)
+    said = diagnose_record(x, RATE, bearing, 29.0)
+    assert (said.result, said.level) == ('cage', 'fault'), said.reasons
+    assert said.score['outer'] < 5.5
+
+
 @pytest.mark.parametrize(('name', 'slip'), [('6203', 0.01), ('UER204', 0.01)])
 def test_lines_of_a_cage_that_do_not_fade_are_no_ball_fault(rng, name, slip):
     """Eleven turns of a cage that slips far lie at the order of a ball that slips little."""

@@ -107,8 +107,11 @@ def _cage_or_ball(e: Evidence) -> bool:
     Return whether the cage leads, but a ball in and out of the load may make its comb.
 
     An impact has every harmonic, exactly one at the outer race's order. A comb that is clearer at
-    the ball's order is the ripple of such a ball.
+    the ball's order is the ripple of such a ball. The turns of a cage may differ so much that its
+    harmonics smear up there: then those below it tell, if they have twice the power of a ripple.
     """
     outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
     few_harmonics = outer.z < max(ball.z, Z_FAULT)
+    if ball.z < Z_FAULT and e.cage_high_harmonics >= RIVAL**2 * RIPPLE:
+        few_harmonics = False
     return e.cage_leads and (few_harmonics or cage.index < INDEX_STRIKE)

@@ -430,10 +430,19 @@ def test_a_comb_without_effect_does_not_make_health_uncertain():
     ],
 )
 def test_of_ball_and_cage_the_likelier_comes_first(high, first, likelier):
-    combs = (comb('ball', z=5.4, index=0.4), comb('outer', z=5.0, index=0.4), CAGE)
+    combs = (comb('ball', z=5.6, index=0.4), comb('outer', z=5.0, index=0.4), CAGE)
     said = decide(Evidence.of(*combs, cage_high_harmonics=high))
     assert (said.rule, said.result, said.faults[0]) == ('cage_ripple', 'ambiguous', first)
     assert f'{likelier} is likelier' in said.reasons[-1]
+
+
+@pytest.mark.parametrize(
+    ('high', 'ball_z', 'rule'),
+    [(0.38, 5.4, 'cage_ripple'), (0.4, 5.4, 'cage_impacts'), (0.4, 5.6, 'cage_ripple')],
+)
+def test_a_cage_whose_turns_differ_needs_no_harmonic_at_the_outer_race(high, ball_z, rule):
+    combs = (comb('ball', z=ball_z, index=0.4), comb('outer', z=4.0, index=0.4), CAGE)
+    assert decide(Evidence.of(*combs, cage_high_harmonics=high)).rule == rule
 
 
 @pytest.mark.parametrize(('high', 'rule'), [(0.09, 'ball_ripple'), (0.11, 'cage_ripple')])
