@@ -7,8 +7,8 @@ from __future__ import annotations
 from operator import attrgetter
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.assets.message_template import MessageTemplate
 from bearing_twin.assets.messages import floats, message_header
-from bearing_twin.assets.template import MessageTemplate
 from bearing_twin.dynamics.defect_text import placed_defects
 from bearing_twin.dynamics.single.condition import Condition
 from bearing_twin.stamps import split_ns

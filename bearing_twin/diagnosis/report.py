@@ -8,7 +8,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
-from bearing_twin.diagnosis.power import detectable_text, smallest_detectable
+from bearing_twin.diagnosis.detection_power import detectable_text, smallest_detectable
 from bearing_twin.diagnosis.result import Diagnosis, Spectrum
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS, SHAFT_TURNS
 from bearing_twin.diagnosis.signal.severity import Severity

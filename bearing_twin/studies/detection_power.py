@@ -82,7 +82,7 @@ def _smallest(
 
 
 def simulate_table() -> dict[str, Any]:
-    """Return the table that ``bearing_twin.diagnosis.power`` reads."""
+    """Return the table that ``bearing_twin.diagnosis.detection_power`` reads."""
     smallest = {
         defect: [
             [[_smallest(defect, speed, heat, noise) for noise in NOISES] for heat in TEMPERATURES]

@@ -5,7 +5,7 @@
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.power import smallest_detectable
+from bearing_twin.diagnosis.detection_power import smallest_detectable
 import numpy as np
 
 RATE = 25_600.0

@@ -10,8 +10,8 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 is not installed')
 
+from bearing_twin.assets.message_template import MessageTemplate
 from bearing_twin.assets.parameters.twin import SPECS
-from bearing_twin.assets.template import MessageTemplate
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import (
     state_message,
