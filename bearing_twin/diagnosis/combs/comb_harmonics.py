@@ -88,6 +88,7 @@ class CombHarmonics:
         self._precision = 0.0 if measured else min(speed.uncertainty, found)
         self._columns: dict[float, NDArray[np.intp]] = {}
         self._multiples: dict[float, int] = {}
+        self._smears: dict[float, bool] = {}
 
     def columns(self, order: float) -> NDArray[np.intp]:
         """Return the bands in which the comb at an order is highest, one of each whitening."""
@@ -205,14 +206,15 @@ class CombHarmonics:
         it. A short window does not tell.
         """
         order, turns = candidate.order, round(candidate.order)
-        parted = _SLIP_BINS * self._whole.step <= UNLIKELY_SLIP * order
-        known = turns and parted and math.isfinite(self._spread)
-        if not (known and self._reaches(order, turns)):
-            return False
-        # Of a speed that is not measured the middle is as uncertain as its lines are wide.
-        if abs(order - turns) <= self._spread * order:
-            return True
-        return height_beyond_whole(self._whole, order, self.columns(order)) >= _BEYOND
+        if order not in self._smears:
+            parted = _SLIP_BINS * self._whole.step <= UNLIKELY_SLIP * order
+            known = turns and parted and math.isfinite(self._spread)
+            self._smears[order] = bool(known and self._reaches(order, turns)) and (
+                # Of a speed that is not measured the middle is as uncertain as its lines are wide.
+                abs(order - turns) <= self._spread * order
+                or height_beyond_whole(self._whole, order, self.columns(order)) >= _BEYOND
+            )
+        return self._smears[order]
 
     def _reaches(self, order: float, whole: float) -> bool:
         """Return whether a comb has half its score at all orders from its own to a whole one."""
