@@ -111,7 +111,7 @@ def _cage_or_ball(e: Evidence) -> bool:
     harmonics smear up there: then those below it tell, if they have twice the power of a ripple.
     """
     outer, ball, cage = (e.candidates[place] for place in ('outer', 'ball', 'cage'))
-    few_harmonics = outer.z < max(ball.z, Z_FAULT)
-    if ball.z < Z_FAULT and e.cage_high_harmonics >= RIVAL**2 * RIPPLE:
-        few_harmonics = False
+    few_harmonics = outer.z < max(ball.z, Z_FAULT) and not (
+        ball.z < Z_FAULT and e.cage_high_harmonics >= RIVAL**2 * RIPPLE
+    )
     return e.cage_leads and (few_harmonics or cage.index < INDEX_STRIKE)
