@@ -12,7 +12,7 @@ from bearing_twin.assets.twin_messages import TwinBytes
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.topics.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, stream
 from bearing_twin.ros.topics.subscribing import subscribe
-from bearing_twin.thermal.gate import TemperatureStatus
+from bearing_twin.thermal.gate import PHYSICAL_LOW, TemperatureStatus
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
 from rclpy.serialization import serialize_message
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
 
 LONGEST_WAIT = 10.0
-ZERO_CELSIUS = 273.15
-"""0 degC, K."""
 
 TEXTS = {
     TemperatureStatus.OK: 'temperature is fresh',
@@ -139,7 +137,7 @@ def temperature_status(temperature: GatedTemperature, *problems: str) -> Status:
     message = TEXTS[temperature.status]
     if temperature.status is TemperatureStatus.INVALID and math.isnan(temperature.age):
         message = 'temperature is NaN or impossible: the start temperature is used'
-    if TABLE_LOW <= temperature.measured - ZERO_CELSIUS <= TABLE_HIGH:
+    if TABLE_LOW <= temperature.measured + PHYSICAL_LOW <= TABLE_HIGH:
         message += '; it looks like kelvin: publish degC, as sensor_msgs/Temperature has it'
     message = '; '.join([message, *filter(None, problems)])
     return Status(
