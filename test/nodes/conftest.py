@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 
-from bearing_twin.ros.processes.launching import NodeProcesses
+from forked import ForkedNodes
 from probe import Probe
 import pytest
 
@@ -21,5 +21,5 @@ def probe(ros_domain):
 @pytest.fixture
 def nodes(ros_domain, tmp_path):
     """Return a starter of nodes in the test's own ROS domain."""
-    with NodeProcesses(tmp_path / 'logs', os.environ) as processes:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as processes:
         yield processes

@@ -12,10 +12,10 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.processes.launching import NodeProcesses
 from bearing_twin.ros.topics.qos import CHECKPOINT, STREAM
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
 from commands import resident
+from forked import ForkedNodes
 from fuzzing import SECONDS, until
 import pytest
 from rclpy.duration import Duration
@@ -154,7 +154,7 @@ def publish_hostile(
 
 
 def attack(folder: Path, count: int, seed: int, group: Groups, seconds: float = math.inf) -> None:
-    with NodeProcesses(folder / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(folder / 'logs', os.environ) as nodes, Source() as source:
         for name, (parameters, remapped, _) in group.items():
             given = {'output': str(folder / 'bag')} if name == 'recorder' else {}
             ros = [word for rule in (f'__node:={name}', *remapped) for word in ('-r', rule)]
@@ -191,7 +191,7 @@ def test_hostile_messages(ros_domain: int, tmp_path: Path, group: Groups) -> Non
 
 def test_the_memory_of_large_arrays_comes_back(ros_domain: int, tmp_path: Path) -> None:
     named = ('diagnosis', 'recorder')
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag')})
         nodes.start('diagnosis', {'bearing': '6307', 'window': 1.0})
         source.wait_for_recorder(recorders=2)
@@ -227,7 +227,7 @@ def test_the_memory_of_large_arrays_comes_back(ros_domain: int, tmp_path: Path) 
 def test_parameters_of_nodes_that_there_are_not_fill_no_memory(
     ros_domain: int, tmp_path: Path
 ) -> None:
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag')})
         source.wait_for_recorder()
         source.publish_until_told('recorder: recording')

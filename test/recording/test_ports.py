@@ -10,7 +10,7 @@ from pathlib import Path
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.processes.domain import server_port
 from bearing_twin.ros.processes.fastdds import OLDER, PROFILES
-from bearing_twin.ros.processes.launching import NodeProcesses
+from forked import ForkedNodes
 import psutil
 import pytest
 from recorder_process import Source
@@ -27,7 +27,7 @@ def test_with_the_profile_every_port_is_bound_to_this_machine(
 ) -> None:
     monkeypatch.setenv(PROFILES[OLDER], str(Path(__file__).parents[2] / 'config' / PROFILE))
     port = server_port(ros_domain)
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag'), 'rerun_port': port})
         source.wait_for_recorder()
         source.publish_for(1.0)

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 from bearing_twin.recording.health import examine, sent_before
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
-from bearing_twin.ros.processes.launching import NodeProcesses
 from bearing_twin.ros.topics.qos import STREAM
 from bearing_twin_msgs.msg import Diagnosis
 from builtin_interfaces.msg import Time
+from forked import ForkedNodes
 from mcap.reader import NonSeekingReader
 import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
@@ -56,7 +56,7 @@ def numbers(path: Path) -> list[int]:
 
 def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag), 'max_bag_duration': 1.0})
         source.wait_for_recorder()
         source.publish_until(lambda: len(list(bag.glob('*.mcap'))) >= 3)
@@ -89,7 +89,7 @@ def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> Non
 )
 def test_what_was_sent_before_it_was_heard_is_counted(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         source.publish_for(0.4)
         before = len(source.sent)
         nodes.start('recorder', {'output': str(bag)})
@@ -106,7 +106,7 @@ def test_what_was_sent_before_it_was_heard_is_counted(ros_domain: int, tmp_path:
 
 def test_simulated_time_is_the_time_of_the_recording(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag), 'use_sim_time': True})
         clock = source.node.create_publisher(Clock, '/clock', 1)
         source.wait_for_recorder()
@@ -146,7 +146,7 @@ def test_simulated_time_is_the_time_of_the_recording(ros_domain: int, tmp_path: 
 
 
 def test_topics_regex_and_exclude(ros_domain: int, tmp_path: Path) -> None:
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'a'), 'topics': ['vibration']}, name='a')
         nodes.start(
             'recorder',
@@ -182,7 +182,7 @@ def killed_recorder(folder: Path, moments: list[float]) -> list[float]:
     losses = []
     for number, moment in enumerate(moments):
         bag = folder / f'bag{number}'
-        with NodeProcesses(folder / 'logs', os.environ) as nodes, Source() as source:
+        with ForkedNodes(folder / 'logs', os.environ) as nodes, Source() as source:
             nodes.start('recorder', {'output': str(bag)})
             source.wait_for_recorder()
             flushes = [(bag / f'{bag.name}_0.mcap').stat().st_mtime_ns]
@@ -222,7 +222,7 @@ def test_killed_at_fifty_random_moments(ros_domain: int, tmp_path: Path) -> None
 
 
 def test_what_is_sent_while_it_is_not_active_is_not_lost(ros_domain: int, tmp_path: Path) -> None:
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag')})
         source.wait_for_recorder()
         source.publish_until_told(RECORDING)
@@ -241,7 +241,7 @@ def test_a_recorder_that_stood_still_counts_what_it_missed(
     ros_domain: int, tmp_path: Path
 ) -> None:
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag)})
         source.wait_for_recorder()
         source.publish_for(1.0)
@@ -261,7 +261,7 @@ def test_a_recorder_that_stood_still_counts_what_it_missed(
 
 def test_full_disk_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag)})
         source.wait_for_recorder()
         source.publish_until(lambda: RECORDING in source.statuses)
@@ -313,7 +313,7 @@ def test_a_disk_that_holds_the_recorder_up_costs_nothing(ros_domain: int, tmp_pa
 
 def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag)})
         source.wait_for_recorder()
         source.wait_for(RECORDING)
@@ -340,7 +340,7 @@ def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path:
 def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
     ros_domain: int, tmp_path: Path
 ) -> None:
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'first')})
         source.wait_for_recorder()
         source.publish_for(1.0)
@@ -373,7 +373,7 @@ def test_snapshot_on_request(ros_domain: int, tmp_path: Path) -> None:
     parameters = {
         'output': str(bag), 'snapshot': True, 'snapshot_before': 1.0, 'snapshot_after': 0.5,
     }  # fmt: skip
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', parameters)
         source.wait_for_recorder()
         fill(source)
@@ -428,7 +428,7 @@ def test_snapshot_when_the_diagnosis_turns_to_fault(ros_domain: int, tmp_path: P
     parameters = {
         'output': str(bag), 'snapshot': True, 'snapshot_before': 1.0, 'snapshot_after': 0.5,
     }  # fmt: skip
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', parameters)
         verdicts = source.node.create_publisher(Diagnosis, 'diagnosis', 10)
         source.wait_for_recorder()
@@ -456,7 +456,7 @@ def test_snapshot_when_the_diagnosis_turns_to_fault(ros_domain: int, tmp_path: P
 
 def test_parameters_are_kept_with_the_recording(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag)})
         source.wait_for_recorder()
         nodes.start('diagnosis', {'bearing': '6307', 'window': 2.0})
@@ -483,7 +483,7 @@ def test_topics_of_other_kinds_are_recorded_as_they_are_offered(
     bag = tmp_path / 'bag'
     best_effort = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
     with (
-        NodeProcesses(tmp_path / 'logs', os.environ) as nodes,
+        ForkedNodes(tmp_path / 'logs', os.environ) as nodes,
         Source() as source,
         Source() as other,
     ):

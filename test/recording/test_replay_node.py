@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
-from bearing_twin.ros.processes.launching import NodeProcesses
+from forked import ForkedNodes
 import pytest
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, TEMPERATURE, temperature_cdr, write_blocks
@@ -33,7 +33,7 @@ def test_replayed_and_recorded_again_the_bytes_are_the_same(
     ros_domain: int, tmp_path: Path
 ) -> None:
     written = write_blocks(tmp_path / 'run', 75)
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'again')})
         source.wait_for_recorder()
         parameters = {
@@ -66,7 +66,7 @@ def test_replayed_and_recorded_again_the_bytes_are_the_same(
 
 def test_paused_stepped_resumed(ros_domain: int, tmp_path: Path) -> None:
     write_blocks(tmp_path / 'run', 25)
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('replay', {'recording': str(tmp_path / 'run'), 'start_paused': True})
         step = source.call(Trigger, '/replay/step')
         assert step.success
@@ -151,7 +151,7 @@ def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: P
             writer.copy(message._replace(channel=channel))
         at = message.log_time
         writer.write('/t', TEMPERATURE, temperature_cdr(5, 20.0), log_time=at, publish_time=at)
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes:
         recording = str(tmp_path / 'other.mcap')
         nodes.start('replay', {'recording': recording, 'wait_for_subscribers': 0.0, 'rate': 1e6})
         assert nodes.wait('replay', TIMEOUT) == 1

@@ -31,12 +31,12 @@ from bearing_twin.recording.mcap.schema import canonical_cdr
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter
-from bearing_twin.ros.processes.launching import NodeProcesses
 from bearing_twin.ros.topics.qos import RESULT, STREAM
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.vibration_input import read_vibration
 from bearing_twin_msgs.msg import Diagnosis, Vibration
 from copies import put
+from forked import ForkedNodes
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -420,7 +420,7 @@ def test_no_calibration_at_all_is_a_figure_that_misses_its_target(run: Path) -> 
 
 @pytest.mark.ros
 def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, schedule: Path) -> None:
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'bag')})
         # What one of them is held up for, the other shall not have alone.
         deep = {'qos_overrides./vibration.subscription.depth': 1000}
@@ -477,7 +477,7 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
         """
     )
     bag = tmp_path / 'bag'
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(bag)}, ros=('-r', '__ns:=/p1'))
         nodes.start(
             'fleet',

@@ -16,6 +16,7 @@ from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from typing import BinaryIO
 
 
 COMPILING = 'compiling the kernel (first start only)'
@@ -105,13 +106,17 @@ class NodeProcesses:
             words += ['-p', f'{key}:={_yaml(value)}']
         name = name or module
         with (self._logs / f'{name}.log').open('wb') as log:
-            self._processes[name] = subprocess.Popen(
-                [*words, *ros],
-                stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=subprocess.STDOUT,
-                env=self._environment,
-            )
+            self._processes[name] = self._begin([*words, *ros], log)
+
+    def _begin(self, words: list[str], log: BinaryIO) -> subprocess.Popen[bytes]:
+        """Begin a process that writes to a log."""
+        return subprocess.Popen(
+            words,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            env=self._environment,
+        )
 
     def running(self, name: str) -> bool:
         """Return whether the process is still running."""
