@@ -20,7 +20,7 @@ from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.pictures.bearing3d import contact_forces, SLOWED
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.spectra import SpectrumBars, vector
-from bearing_twin.view.rerun.pictures.spectrogram import COLUMNS, Spectrogram
+from bearing_twin.view.rerun.pictures.spectrogram import COLUMNS, ROWS, Spectrogram
 from bearing_twin.view.rerun.pictures.texts import parameter_tables
 from bearing_twin.view.rerun.pictures.waveform import extremes
 from bearing_twin.view.rerun.timebase import Timebase
@@ -31,6 +31,7 @@ import numpy as np
 import pytest
 import rerun as rr
 from rerun.chunk import McapReader, RrdReader
+from scipy.signal import welch
 import yaml
 
 
@@ -414,6 +415,9 @@ def test_a_spectrogram_spans_a_minute_however_long_the_blocks(block):
     levels = picture.levels.mean(axis=0)
     assert np.isfinite(levels).sum() == (quiet + loud) / 60.0 * COLUMNS
     assert (levels > -60.0).sum() == loud / 60.0 * COLUMNS
+    last = samples[-round(0.2 * rate) :]
+    _, power = welch(last - last.mean(), nperseg=2 * ROWS, detrend=False, scaling='spectrum')
+    assert np.allclose(picture.levels[:, -1], 10.0 * np.log10(power[1:]), atol=1e-9)
 
 
 @pytest.mark.parametrize('size', [1, 200])
