@@ -10,7 +10,7 @@ import json
 import math
 
 from bearing_twin.bearing import fault_orders, find_bearing
-from bearing_twin.diagnosis.machine.onset import rise_begins
+from bearing_twin.diagnosis.machine.onset import rise_begins, slope
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.series import monitor as series
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
@@ -19,6 +19,7 @@ from bearing_twin.errors import BearingTwinError
 from coupling import coupling_snapshot, GIVEN_HZ
 import numpy as np
 import pytest
+from scipy.stats import theilslopes
 
 RATE, SHAFT_HZ, CYCLE = 25600.0, 30.0, 10.0
 COUNT = 1280
@@ -333,6 +334,13 @@ def test_change_point_is_that_of_the_definition():
             expected = index + 1
     assert rise_begins(levels, 0.0, 1.5) == expected
     assert expected == pytest.approx(400, abs=1)
+
+
+def test_trend_is_the_median_of_the_slopes_between_all_points():
+    rng = np.random.default_rng(3)
+    times = np.sort(rng.choice(1000, 299)).astype(float)
+    levels = 0.01 * times + rng.standard_normal(299)
+    assert slope(times, levels) == theilslopes(levels, times)[0]
 
 
 def test_a_long_series_is_kept_more_coarsely(monkeypatch):
