@@ -91,7 +91,7 @@ class SeriesMonitor:
     ----------
     bearing
         Geometry, to diagnose each snapshot alone and to find the place in the averaged envelope;
-        None: alarms have no place.
+        None: alarms have no place, and no envelope is averaged.
     settings
         See :class:`DiagnosisSettings`; ``baseline_windows`` is at least 10 here.
     law
@@ -222,7 +222,8 @@ class SeriesMonitor:
         said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
         newest = AveragedEnvelope()
-        if math.isfinite(shaft_hz):
+        # Without a bearing nobody asks for a place.
+        if self._bearing is not None and math.isfinite(shaft_hz):
             newest.add(signal, sample_rate, shaft_hz)
         if self._stands_out(newest, shaft_hz):
             said = max(said, 'suspect', key=LEVELS.index)
