@@ -110,6 +110,16 @@ def test_a_name_at_an_unlikely_slip_counts_like_any_other():
     assert (told.kind, told.right) == ('suspect', True)
 
 
+def test_a_comb_of_a_ball_without_the_sidebands_of_its_cage_is_sure_of_strikes_only():
+    """A sound bearing beside something that strikes as often as its balls do."""
+    case, said = judge_case('impacts', 6_406_783)
+    assert (case.condition, case.machine) == ('none', 'impacts')
+    assert (said.rule, said.faults) == ('ball_without_cage_sidebands', ('ball',))
+    told = reliability.rate_answer(case, said)
+    assert (told.kind, told.right) == ('elsewhere', True)
+    assert said.confidence > 0.9
+
+
 def test_half_of_the_machines_are_sound_whatever_the_diagnosis_is_given():
     draw = {'twin': twin_machines.draw, 'impacts': impact_machines.draw}
     sound = {}

@@ -33,7 +33,7 @@ CLAIMS = {
 every named fault, ``'elsewhere'`` for impacts at an order of no part of the bearing."""
 KINDS = tuple(CLAIMS)
 
-_OF_ELSE = ('another_cage', 'extraneous', 'whole_turns')
+_OF_ELSE = ('another_cage', 'ball_without_cage_sidebands', 'extraneous', 'whole_turns')
 """Rules that say of the lines at a fault order that something else makes them, or may."""
 
 _SOUND = {
