@@ -130,7 +130,7 @@ class Memory:
 
     A machine that gets worse during learning may settle, too. So the lowest median of a quarter of
     a window is kept for each speed. Levels that settle far above it make no baseline. Before there
-    is a baseline, the last median of a quarter is compared with it.
+    is a baseline, the level that four fifths of the last quarter reach is compared with it.
 
     Examples
     --------
@@ -148,8 +148,8 @@ class Memory:
     windows: dict[str, list[list[float]]] = field(default_factory=dict)
     """Rows of time, temperature, octaves and levels of the newest window, for each speed."""
     medians: dict[str, list[list[float]]] = field(default_factory=dict)
-    """Lowest and last median level of the whole signal, dB, with its temperature, for each
-    speed."""
+    """Lowest median level of the whole signal, dB, and the level that four fifths of the newest
+    reach, each with its median temperature, for each speed."""
     base: Baseline | None = None
     former: list[Baseline] = field(default_factory=list)
     """Louder baselines that were replaced: of another load, or before the machine ran in."""
@@ -185,8 +185,11 @@ class Memory:
         del window[:-wanted]
         count = min(max(wanted // _PARTS, _LEAST), wanted)
         if len(window) >= count:
-            last = [_median([row[column] for row in window[-count:]]) for column in (3, 1)]
-            self.medians[speed] = [min(self.medians.get(speed, [last])[0], last), last]
+            whole, heats = ([row[column] for row in window[-count:]] for column in (3, 1))
+            middle = [_median(whole), _median(heats)]
+            # If a quarter of the levels is disturbed, more than half of so few are by chance.
+            reached = [sorted(whole)[count // 5], middle[1]]
+            self.medians[speed] = [min(self.medians.get(speed, [middle])[0], middle), reached]
         if len(window) < wanted:
             return False
         new, base = settled_baseline(window), self.base
@@ -242,9 +245,9 @@ class Memory:
         """
         Return the level of each measure over the earlier one of the machine, dB; NaN at first.
 
-        With a baseline it is the level over the baseline. Before, it is the last median over the
-        lowest, of the whole signal only: the bands in which bearings ring move with film and
-        clearance.
+        With a baseline it is the level over the baseline. Before, it is the level that four fifths
+        of the newest reach over the lowest median, of the whole signal only: the bands in which
+        bearings ring move with film and clearance.
         """
         if self.base is not None:
             # Rounded, because bands beyond half the sample rate must equal the whole signal to the

@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of a machine before its levels have settled."""
+
+from bearing_twin.diagnosis.machine.baseline import Memory
+from bearing_twin.diagnosis.machine.dependence import Condition
+import numpy as np
+import pytest
+
+
+@pytest.mark.parametrize(('share', 'worn', 'least', 'most'),
+                         [(0.25, 0.0, 0.0, 0.02), (0.25, 15.0, 0.9, 1.0)])  # fmt: skip
+def test_a_quarter_of_disturbed_levels_is_no_rise_before_there_is_a_baseline(
+    share, worn, least, most
+):
+    """Levels 15 dB higher by chance; a machine that is 15 dB louder from the 30th on."""
+    rng, now, alarms = np.random.default_rng(0), Condition.at(60.0, 25.0), 0
+    for _ in range(200):
+        memory, risen = Memory(), False
+        disturbed = 15.0 * (rng.random(59) < share)
+        for number in range(59):
+            level = max(float(disturbed[number]), worn * (number >= 30))
+            memory.learn(number, [level, 0.0, 0.0], now, 60, 6.0)
+            risen |= memory.over([level, 0.0, 0.0], now)[0] >= 12.0
+        alarms += risen
+    assert least <= alarms / 200 <= most
