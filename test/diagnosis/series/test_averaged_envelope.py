@@ -19,9 +19,10 @@ def test_noise_leaves_no_excess_and_a_single_snapshot_would():
     for _ in range(400):
         x = rng.standard_normal(2560)
         average.add(x, RATE, SHAFT_HZ)
-        single = AveragedEnvelope()
-        single.add(x, RATE, SHAFT_HZ)
-        alone.append(single.excess()[:, TOLD].mean())
+        if len(alone) < 40:
+            single = AveragedEnvelope()
+            single.add(x, RATE, SHAFT_HZ)
+            alone.append(single.excess()[:, TOLD].mean())
     excess = average.excess()[:, TOLD]
     assert abs(excess.mean()) < 0.02
     assert excess.std() < 3.0 / np.sqrt(400)

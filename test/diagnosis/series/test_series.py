@@ -107,24 +107,27 @@ def test_worn_out_machine_is_alarmed_after_the_damage_began(seed, hours):
 
 
 def test_level_changes_at_most_twice_an_hour():
-    """A machine that is loud for four minutes in every half hour."""
-    monitor, points = life(1, 6 * HOUR, lambda n: 9.0 * (n > 400 and n % 180 < 24))
+    """A machine that is loud for four minutes in every half hour, six times."""
+    monitor, points = deepcopy(begun(1)).go_on(
+        BEGIN + 3 * HOUR, lambda n: 9.0 * ((n - BEGIN) % 180 < 24)
+    )
     levels = [point.level for point in points]
     changed = np.flatnonzero([a != b for a, b in itertools.pairwise(levels)])
-    changed = changed[changed > 400]
+    changed = changed[changed >= BEGIN]
     assert all(np.sum((changed >= at) & (changed < at + HOUR)) <= 2 for at in changed)
     assert 'fault' not in levels
     assert monitor.report().level == 'suspect'
 
 
 def test_alarm_ends_an_hour_after_the_cause():
-    monitor, _ = life(2, 1400, lambda n: 15.0 * (600 <= n < 700))
+    end = BEGIN + 50
+    monitor, _ = deepcopy(begun(5)).go_on(end + HOUR + 40, lambda n: 15.0 * (n < end))
     report = monitor.report()
     assert report.level == 'ok'
-    assert report.first_fault == pytest.approx(600 * CYCLE, abs=5 * CYCLE)
-    assert report.change == pytest.approx(600 * CYCLE, abs=5 * CYCLE)
+    assert report.first_fault == pytest.approx(BEGIN * CYCLE, abs=5 * CYCLE)
+    assert report.change == pytest.approx(BEGIN * CYCLE, abs=5 * CYCLE)
     last = max(point.time for point in report.points if point.level == 'fault')
-    assert last == pytest.approx(700 * CYCLE + 3600.0, abs=10 * CYCLE)
+    assert last == pytest.approx(end * CYCLE + 3600.0, abs=10 * CYCLE)
 
 
 def test_an_alarm_of_rare_snapshots_does_not_end_with_two_of_them():
@@ -257,13 +260,13 @@ def test_a_machine_that_is_loud_from_the_first_snapshot_on_has_no_rise():
 
 def test_a_new_bearing_ends_the_alarm_and_has_its_own_baseline():
     monitor, points = life(
-        3, 1600, lambda n: 16.0 * (500 <= n < 600) - 5.0 * (n >= 600), scatter=0.4, warm=False
+        3, 700, lambda n: 16.0 * (150 <= n < 200) - 5.0 * (n >= 200), scatter=0.4, warm=False
     )
-    assert points[599].level == 'fault' and points[-1].level == 'ok'
-    assert monitor.report().baseline[0] >= 600 * CYCLE
+    assert points[199].level == 'fault' and points[-1].level == 'ok'
+    assert monitor.report().baseline[0] >= 200 * CYCLE
     # 2 dB over the level of the old bearing are 7 dB over that of the new one.
     rng = np.random.default_rng(4)
-    for number in range(1600, 1650):
+    for number in range(700, 750):
         x = 10.0**0.1 * rng.standard_normal(COUNT)
         point = monitor.add(CYCLE * number, x, RATE, SHAFT_HZ, temperature=70.0)
     assert point.level == 'suspect'
@@ -345,10 +348,10 @@ def test_trend_is_the_median_of_the_slopes_between_all_points():
 
 def test_a_long_series_is_kept_more_coarsely(monkeypatch):
     monkeypatch.setattr('bearing_twin.diagnosis.series.monitor.MOST', 200)
-    monitor, _ = life(1, 900, lambda n: 12.0 * (n >= 800))
+    monitor, _ = life(1, 600, lambda n: 12.0 * (n >= 500))
     report = monitor.report()
     assert len(report.points) < 200
-    assert report.change == pytest.approx(800 * CYCLE, abs=20 * CYCLE)
+    assert report.change == pytest.approx(500 * CYCLE, abs=20 * CYCLE)
     assert report.level in ('suspect', 'fault')
 
 
