@@ -59,6 +59,12 @@ def page(recording):
     return report_page(recording)
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Have figures made but not drawn, for pages of which a test reads the words."""
+    monkeypatch.setattr('bearing_twin.view.report.plots.svg_element', lambda *_: '<svg></svg>')
+
+
 class Elements(HTMLParser):
     """Collect tags, ids and references of a page, and check that tags are closed."""
 
@@ -188,6 +194,7 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     assert text.index('>/line3/bearing_8</a>') < text.index('Machine /line3/bearing_7')
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_the_most_urgent_machine_comes_first(tmp_path):
     from bearing_twin_msgs.msg import Diagnosis
     from rclpy.serialization import serialize_message
@@ -215,6 +222,7 @@ def test_the_most_urgent_machine_comes_first(tmp_path):
     assert re.findall(r'<h2 id="(m\d)">Machine /(\w)</h2>', page) == links
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_a_twin_beside_the_sensor_is_not_what_the_page_is_about(recording, tmp_path):
     end = next(read_messages(recording)).log_time + 8_000_000_000
     topics = {'/vibration': ['/vibration_twin', '/vibration']}
@@ -350,6 +358,7 @@ def test_a_page_says_what_a_fleet_simulated(recording, tmp_path, base):
     assert machines[f'{base}/fleet'].hardware == 'pump 9'
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_what_a_recording_says_is_never_markup(recording, tmp_path):
     begin = next(read_messages(recording)).log_time
     evil = '</td><script>alert(1)</script>'
@@ -364,6 +373,7 @@ def test_what_a_recording_says_is_never_markup(recording, tmp_path):
     assert html.escape(evil) in text
 
 
+@pytest.mark.usefixtures('undrawn')
 @pytest.mark.parametrize('shaft_hz', [0.0, -25.0, math.nan])
 def test_a_verdict_without_a_speed_has_no_table_of_orders(tmp_path, shaft_hz):
     from bearing_twin_msgs.msg import Diagnosis
@@ -381,6 +391,7 @@ def test_a_verdict_without_a_speed_has_no_table_of_orders(tmp_path, shaft_hz):
     assert 'significance / limit' not in text
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_a_torn_recording_is_shown_up_to_where_it_breaks_off(recording, tmp_path):
     (source,) = recording.glob('*.mcap')
     content = source.read_bytes()
@@ -395,6 +406,7 @@ def test_a_torn_recording_is_shown_up_to_where_it_breaks_off(recording, tmp_path
     assert 'Sound: nothing missing' not in text
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_verdicts_that_cannot_be_read_are_not_passed_over(recording, tmp_path):
     target = tmp_path / 'other'
     with RecordingWriter(target) as writer:
