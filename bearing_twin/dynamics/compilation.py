@@ -29,4 +29,7 @@ def warm_up(*, fleet: bool = False) -> None:
     path = SensorPath(sample_rate=25600.0, numerator=(1.0,), denominator=(1.0,), noise=0.0)
     path.filter().apply([0.0])
     if fleet:
-        Fleet([parameters]).advance(16, 30.0, 25.0)
+        bearings = Fleet([parameters])
+        bearings.advance(16, 30.0, 25.0)
+        bearings.condition(0)
+        bearings.extract(0)

@@ -211,13 +211,8 @@ class Fleet:
     def condition(self, index: int) -> Condition:
         """State of one bearing at the next sample."""
         self._check_index(index)
-        lanes = self._lanes
-        inner = inner_ring.temperature(
-            lanes.rings[index], self.next_sample % self._tick, self._tick
-        )
-        moved = lanes.motion(index, self.next_sample).view(float)
-        snapshot = np.concatenate([moved, self._inputs(index), lanes.values[index], [inner]])
-        return condition(lanes.equations(index, self._parameters[index]), snapshot)
+        snapshot = self._lanes.snapshot(index, self.next_sample, self._tick)
+        return condition(self._lanes.equations(index, self._parameters[index]), snapshot)
 
     def _inputs(self, index: int | slice) -> FloatArray:
         """Return the inputs of the equations at the next sample, of one or several bearings."""

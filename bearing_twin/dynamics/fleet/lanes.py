@@ -12,7 +12,9 @@ from bearing_twin.dynamics.equations import coefficients, filters, layout
 from bearing_twin.dynamics.fleet import layout as fl
 from bearing_twin.dynamics.fleet.kernel import room_size
 from bearing_twin.dynamics.fleet.kinematics import first_slot
+from bearing_twin.dynamics.single.condition import MOTION, put_inputs, SNAPSHOT_SIZE
 from bearing_twin.dynamics.single.tables import equations_of
+from bearing_twin.numerics.compiled import compiled
 from bearing_twin.numerics.vector import aligned, L
 import numpy as np
 import numpy.typing as npt
@@ -93,17 +95,19 @@ class Lanes:
 
     def motion(self, index: int, next_sample: int) -> Array:
         """Return the state of one bearing as `layout.STATE`, before its `kernel.start`."""
-        number, lane = divmod(index, L)
-        group, state = self.groups[number], np.zeros(1, layout.STATE)
-        for name in 'qvaj':
-            state[name] = group[name][:, lane]
-        since = next_sample % layout.CHUNK / self._sample_rate
-        for name, whole in _PHASES.items():
-            state[name] = (group[name][lane] + since * group[name + '_hz'][lane]) % whole
-        for name in ('cage', 'shaft'):
-            angle = 2.0 * math.pi * state[name]
-            state[name + '_cos'], state[name + '_sin'] = np.cos(angle), np.sin(angle)
+        state = np.zeros(1, layout.STATE)
+        _take_motion(self.groups, index, next_sample % layout.CHUNK / self._sample_rate, state)
         return state
+
+    def snapshot(self, index: int, next_sample: int, tick: int) -> FloatArray:
+        """Return the numbers of which `condition` computes the condition of one bearing."""
+        found = np.empty(SNAPSHOT_SIZE)
+        _take_snapshot(
+            self.groups, index, next_sample % layout.CHUNK / self._sample_rate, self.values,
+            self.fade, min(next_sample - int(self.faded[index]), 0), self.drift, self.rings,
+            next_sample % tick, tick, found,
+        )  # fmt: skip
+        return found
 
     def seed(self, index: int) -> int:
         """Return the seed of one bearing."""
@@ -193,6 +197,43 @@ class Lanes:
         """Set the arrays that :meth:`state` returns."""
         for mine, given in zip(self.state(), parts, strict=True):
             mine[...] = given
+
+
+@compiled()
+def _take_motion(groups: Array, index: int, since: float, state: Array) -> None:
+    """Write motion and phases of one bearing ``since`` s after the last grid point of phases."""
+    number, lane = index // L, index % L
+    group, found = groups[number], state[0]
+    for k in range(4):
+        found.q[k], found.v[k] = group.q[k, lane], group.v[k, lane]
+        found.a[k], found.j[k] = group.a[k, lane], group.j[k, lane]
+    found.cage = (group.cage[lane] + since * group.cage_hz[lane]) % 1.0
+    found.shaft = (group.shaft[lane] + since * group.shaft_hz[lane]) % 1.0
+    found.spin = (group.spin[lane] + since * group.spin_hz[lane]) % layout.SPIN_TURNS
+    cage, shaft = 2.0 * math.pi * found.cage, 2.0 * math.pi * found.shaft
+    found.cage_cos, found.cage_sin = math.cos(cage), math.sin(cage)
+    found.shaft_cos, found.shaft_sin = math.cos(shaft), math.sin(shaft)
+
+
+@compiled()
+def _take_snapshot(
+    groups: Array,
+    index: int,
+    since_grid: float,
+    values: FloatArray,
+    fade: FloatArray,
+    left: int,
+    drift: FloatArray,
+    rings: FloatArray,
+    since_tick: int,
+    tick: int,
+    snapshot: FloatArray,
+) -> None:
+    """Fill ``snapshot`` with the data of the condition of one bearing, see `condition`."""
+    _take_motion(groups, index, since_grid, snapshot[:MOTION].view(layout.STATE))
+    put_inputs(
+        values[index], fade[index] * left, drift[index], rings[index], since_tick, tick, snapshot
+    )
 
 
 def _sensor_rows(p: TwinParameters, step: float) -> tuple[FloatArray, ...]:

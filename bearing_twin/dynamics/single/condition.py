@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders
 from bearing_twin.bearing.hertz import pressure_of
+from bearing_twin.dynamics.equations import inner_ring
 from bearing_twin.dynamics.equations.coefficients import (
     ALPHA,
     at_rings,
@@ -158,6 +159,22 @@ def condition(equations: Equations, snapshot: FloatArray) -> Condition:
     numbers, point, passed, forces = _observed(equations, snapshot)
     which, sentences = exceeded_limits(OperatingPoint._make(point), passed)
     return Condition._make((*numbers, which, sentences, forces))
+
+
+@compiled()
+def put_inputs(
+    values: FloatArray,
+    behind: FloatArray,
+    drift: FloatArray,
+    rings: FloatArray,
+    since_tick: int,
+    tick: int,
+    snapshot: FloatArray,
+) -> None:
+    """Write all of a ``snapshot`` that follows the motion; arguments as in `inner_ring`."""
+    snapshot[MOTION:VALUES] = inner_ring.inputs(values, behind, drift, since_tick)
+    snapshot[VALUES:-1] = values
+    snapshot[-1] = inner_ring.temperature(rings, since_tick, tick)
 
 
 @compiled()

@@ -22,8 +22,8 @@ from bearing_twin.dynamics.single.condition import (
     Condition,
     condition,
     MOTION,
+    put_inputs,
     SNAPSHOT_SIZE,
-    VALUES,
 )
 from bearing_twin.dynamics.single.tables import ball_table, defect_table, equations_of, machine
 from bearing_twin.errors import BearingTwinError
@@ -494,9 +494,7 @@ def _take_snapshot(motion: Any, faded: int, at: int, tick: int, snapshot: FloatA
     """Fill ``snapshot`` with the data of the condition at sample ``at``, see `condition`."""
     since, behind = at % tick, motion.fade * min(at - faded, 0)
     snapshot[:MOTION].view(STATE)[0] = motion.states[0]
-    snapshot[MOTION:VALUES] = inner_ring.inputs(motion.values, behind, motion.drift, since)
-    snapshot[VALUES:-1] = motion.values
-    snapshot[-1] = inner_ring.temperature(motion.rings, since, tick)
+    put_inputs(motion.values, behind, motion.drift, motion.rings, since, tick, snapshot)
 
 
 @compiled()
