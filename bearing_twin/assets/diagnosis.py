@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.assets.messages import diagnosis_message, features_messages, spectrum_message
+from bearing_twin.assets.messages import diagnosis_message, spectrum_message
 from bearing_twin.assets.parameters.diagnosis import (
     build_bearing,
     build_diagnoser,
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.streaming import StreamingDiagnoser
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Diagnosis, Spectrum
-    from std_msgs.msg import Float64MultiArray
 
 
 class Verdict(NamedTuple):
@@ -37,8 +36,6 @@ class Verdict(NamedTuple):
 
     result: DiagnosisResult
     diagnosis: Diagnosis
-    features: dict[str, Float64MultiArray]
-    """Messages by the name of their topic below ``features``."""
     spectrum: Spectrum
     envelope_spectrum: Spectrum
 
@@ -66,9 +63,7 @@ class DueVerdict:
             spectrum_message(which, result, stamp=stamp, frame_id=frame_id)
             for which in (result.spectrum, result.envelope_spectrum)
         )
-        return Verdict(
-            result, diagnosis, features_messages(diagnosis), spectrum, envelope_spectrum
-        )
+        return Verdict(result, diagnosis, spectrum, envelope_spectrum)
 
 
 class DiagnosisCore:

@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.diagnosis import DiagnosisCore
+from bearing_twin.assets.messages import features_messages
 from bearing_twin.bearing import PLACES, RESULTS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
@@ -201,8 +202,9 @@ class DiagnosisTopics:
             )
         self._latest = result
         self._verdict.publish(verdict.diagnosis)
-        for name, publisher in self._features.items():
-            publisher.publish(verdict.features[name])
+        if self._features:
+            for name, message in features_messages(verdict.diagnosis).items():
+                self._features[name].publish(message)
         self._spectrum.publish(verdict.spectrum)
         self._envelope.publish(verdict.envelope_spectrum)
 

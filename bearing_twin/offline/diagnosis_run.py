@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
 from bearing_twin.assets.diagnosis import DiagnosisCore
+from bearing_twin.assets.messages import features_messages
 from bearing_twin.diagnosis.streaming import StreamingDiagnoser
 from bearing_twin.offline.output import output
 from bearing_twin.streams.vibration_input import read_vibration
@@ -100,7 +101,7 @@ class DiagnosisRun:
         """Yield the messages that the node publishes for a verdict."""
         self.counts[verdict.result.result] += 1
         yield output('/diagnosis', verdict.diagnosis)
-        for name, message in verdict.features.items():
+        for name, message in features_messages(verdict.diagnosis).items():
             yield output(f'/features/{name}', message)
         yield output('/spectrum', verdict.spectrum)
         yield output('/envelope_spectrum', verdict.envelope_spectrum)
