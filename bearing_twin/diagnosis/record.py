@@ -128,7 +128,7 @@ def diagnose_record(
         )
         raise BearingTwinError(msg)
     if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
-        settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
+        settings = settings.measured
     lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))
     known: dict[str, Any] = {'longest': _WINDOW_TURNS, 'temperature': temperature, 'unit': unit}
     fixed = sample_rate, bearing, settings

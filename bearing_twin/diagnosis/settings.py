@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+import functools
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
@@ -80,6 +81,11 @@ class DiagnosisSettings:
     def averages(self) -> bool:
         """Whether the memory holds an earlier window, so that windows can be averaged."""
         return self.memory >= 2.0 * self.window
+
+    @functools.cached_property
+    def measured(self) -> DiagnosisSettings:
+        """The same settings for a speed that is measured with the samples."""
+        return replace(self, speed_tolerance=self.measured_speed_tolerance)
 
     def __post_init__(self) -> None:
         check_fields(self)

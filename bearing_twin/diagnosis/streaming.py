@@ -511,9 +511,7 @@ class StreamingDiagnoser:
     def _excerpt(
         self, speed_measured: bool, temperature: float, unit: str, sensor: str
     ) -> Excerpt:
-        settings = self._settings
-        if speed_measured:
-            settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
+        settings = self._settings.measured if speed_measured else self._settings
         stretches, count = tuple(self._stretches), self._cut.window
         note, self._note, self._restarts = self._restarted, '', 0
         return Excerpt(

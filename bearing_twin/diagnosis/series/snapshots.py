@@ -154,9 +154,7 @@ class SeriesDiagnoser:
         return sum(len(part) for part, _ in self._parts)
 
     def _snapshot(self, speed_measured: bool, known: dict[str, Any]) -> list[Excerpt]:
-        settings = self._settings
-        if speed_measured:
-            settings = replace(settings, speed_tolerance=settings.measured_speed_tolerance)
+        settings = self._settings.measured if speed_measured else self._settings
         parts, count = self._parts, self._held
         self._parts = []
         if count < LEAST:
