@@ -10,7 +10,7 @@ from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.studies import generalisation
 import pytest
 
-CASES = 100
+CASES = 60
 
 
 def test_machines_at_random():
@@ -19,8 +19,8 @@ def test_machines_at_random():
         if case.condition == 'none':
             assert said.level != 'fault', (case, said.reasons)
     told = Counter(generalisation.outcome(case, said) for case, said in found)
-    # One in fifty may be wrong: a ball that looks like a cage, or two races at once.
-    assert told['wrong'] <= CASES // 50, told
+    # One may be wrong: a ball that looks like a cage, or two races at once.
+    assert told['wrong'] <= 1, told
     assert told['right'] >= 0.6 * CASES, told
 
 
