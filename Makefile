@@ -15,6 +15,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+# Bytecode of all modules takes most of an installation; those that are imported get theirs then.
+INSTALL := $(PIP) install --no-compile
 export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
 PUBLISHED := test/test_wheels.py test/test_docs.py test/test_dockerfile.py
 # Types are checked while the kernels compile; with `make test release` that is tested then, too.
@@ -60,7 +62,7 @@ fuzz: setup
 	$(BIN)/python -m pytest -s -m fuzz
 
 $(VENV)/release.stamp: $(VENV)/package.stamp requirements-release.txt
-	$(PIP) install -r requirements-release.txt
+	$(INSTALL) -r requirements-release.txt
 	touch $@
 
 release: $(VENV)/release.stamp
@@ -85,7 +87,7 @@ $(VENV)/tools.stamp: requirements.txt requirements-dev.txt constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "Python 3.10 or newer is needed")'
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) install --upgrade 'pip>=24'
-	$(PIP) install -r requirements-dev.txt -c constraints.txt
+	$(INSTALL) -r requirements-dev.txt -c constraints.txt
 	touch $@
 
 # An editable install leaves out the data files: launch, config, executables of ros2 run.

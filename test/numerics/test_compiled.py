@@ -156,7 +156,7 @@ def test_compiling_for_later_without_room_is_an_error(tmp_path):
         "raise SystemExit(main(['compile']))\n"
     )
     given = os.environ | {'NUMBA_CACHE_DIR': str(tmp_path)}
-    done = python('-c', script, env=given, preexec_fn=small_files)
+    done = python('-B', '-c', script, env=given, preexec_fn=small_files)
     assert (done.returncode, done.stdout) == (1, '')
     assert done.stderr.splitlines()[-1].startswith('bearing-twin compile: compiled code cannot')
 
