@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Nodes as processes that have not to load anything.
+Nodes as processes that need not load anything.
 
 They are forked from a process that has loaded libraries and kernels, which is most of what a start
 costs, and then run the code of a real start. How a node starts is shown by the tests of arguments,
