@@ -13,6 +13,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.studies import (
     calibration,
     detection_power,
+    disturbed_series,
     generalisation,
     impact_machines,
     low_ringing,
@@ -36,6 +37,19 @@ def test_short_snapshots_of_damaged_machines_are_suspect_together_and_sound_ones
     # Each is suspect at the place that is damaged.
     assert all(count == right for count, right in suspect.values())
     assert sum(count for count, _ in suspect.values()) > 3
+
+
+def test_false_alarms_of_a_disturbed_series_are_those_of_the_chain_of_runs():
+    """All of the newest four, closed form: 1 / mean time = (1 - p) p^4 / (1 - p^4)."""
+    rng, share = np.random.default_rng(0), 0.2
+    disturbed = rng.random((2000, 1065)) < share
+    rate = (1.0 - share) * share**4 / (1.0 - share**4)
+    assert disturbed_series.alarmed(disturbed, (4, 4)) == pytest.approx(
+        1.0 - math.exp(-1001 * rate), abs=0.04
+    )
+    # As many are judged as the earlier ones require: 3 of 100 series at most.
+    assert disturbed_series.alarmed(disturbed) < 0.03
+    assert disturbed_series.alarmed(rng.random((2000, 1065)) < 0.35) < 0.035
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ may be seconds or weeks apart.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import asdict
 import math
 from typing import Any, TYPE_CHECKING
@@ -20,9 +21,10 @@ from bearing_twin.diagnosis.machine.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.machine.trend import Source
-from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING, NEWEST, WHY
+from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING, WHY
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
+from bearing_twin.diagnosis.series.newest import newest_levels
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.series.state import SeriesMemory
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -71,9 +73,6 @@ IMPACTS = 'impacts'
 """Measure of :func:`impact_height`, watched in a series only."""
 WATCHED = (*MEASURES, IMPACTS)
 """Names of the levels of a series."""
-_STAYING = 7
-"""Number of the newest ``NEWEST`` snapshots that reach the level of impacts. Those of a fault
-stay; shocks in one of four snapshots are in 7 of 9 in 1 of 1000."""
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline, or the lowest before it: {FALLEN}'
 
 
@@ -215,7 +214,8 @@ class SeriesMonitor:
         over, measure = self._over(now)
         if memory.base is not None:
             alone = float(levels[0] - changes[0]) - memory.base.levels[0]
-            self._kept.rise.add(alone, memory.base.scatter[0])
+            # A shock counts no more than the smallest rise that is an alarm.
+            self._kept.rise.add(min(alone, self._limit(0)), memory.base.scatter[0])
         sure = over - Z90 * float(deviations[measure])
         by_level = self._wanted(sure, measure, by_zone(severity)[0])
         # Healthy snapshots alone do not make the level known: this takes a baseline.
@@ -368,11 +368,13 @@ class SeriesMonitor:
         return self._kept.memory.was_settled_at(self._recent_levels())
 
     def _recent_levels(self) -> NDArray[np.float64]:
-        """Return the level of each measure that is judged, dB."""
-        levels = np.array(self._levels[-NEWEST:])
-        recent: NDArray[np.float64] = np.median(levels[-CONFIRMING:], axis=0)
-        recent[-1] = np.sort(levels[:, -1])[max(len(levels) - _STAYING, 0)]
-        return recent
+        """Return the level of each measure that the newest snapshots reach, dB."""
+        base, sound = self._kept.memory.base, len(self._levels)
+        if not self._teaches and math.isfinite(self._kept.risen):
+            sound = 1 + bisect_left(self._kept.points, self._kept.risen, key=lambda it: it.time)
+        watched = range(len(WATCHED))
+        limits = [base.levels[n] + self._limit(n) if base else math.inf for n in watched]
+        return newest_levels(self._levels, limits, sound)
 
     def _hold(self, time: float, wanted: str) -> None:
         """Update the held level, its place and rule; if an alarm ends, forget its envelopes."""

@@ -20,8 +20,8 @@ class SeriesPoint:
     level: str
     """Held level, of :data:`bearing_twin.bearing.LEVELS`; 'none' until the baseline is known."""
     over_baseline: float
-    """Median of the last five levels over their baseline, dB, of the measure that rose most; of
-    impacts the level that seven of the last nine reach."""
+    """Level over the baseline that all but one of the newest snapshots reach, dB, of the measure
+    that rose most."""
     measure: str
     """Measure that rose most; '' before there is a baseline."""
     rms: float

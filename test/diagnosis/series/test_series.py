@@ -130,6 +130,24 @@ def test_alarm_ends_an_hour_after_the_cause():
     assert last == pytest.approx(end * CYCLE + 3600.0, abs=10 * CYCLE)
 
 
+@pytest.mark.parametrize(('seed', 'share', 'most'), [(0, 0.0, 4), (1, 0.25, 13), (2, 0.25, 13)])
+def test_shocks_in_a_quarter_of_the_snapshots_are_no_alarm_and_hide_no_damage(seed, share, most):
+    """Up to three shocks of 10 to 60 times the RMS in 0.1 s: 5 to 20 dB in all measures."""
+    rng, monitor = np.random.default_rng(seed), SeriesMonitor(None)
+    t = np.arange(300) / RATE
+    ring = np.exp(-500.0 * t) * np.sin(2.0 * np.pi * 3000.0 * t)
+    worn, levels = 300, []
+    for number in range(worn + 30):
+        x = (3.0 if number >= worn else 1.0) * rng.standard_normal(2560)
+        if rng.random() < share:
+            for start in rng.integers(0, len(x) - len(ring), rng.integers(1, 4)):
+                x[start : start + len(ring)] += rng.uniform(10.0, 60.0) * ring
+        levels.append(monitor.add(600.0 * number, x, RATE, SHAFT_HZ).level)
+    assert set(levels[:worn]) == {'none', 'ok'}
+    alarm = next(n for n, level in enumerate(levels) if level in ('suspect', 'fault'))
+    assert 4 <= alarm - worn + 1 <= most
+
+
 def test_an_alarm_of_rare_snapshots_does_not_end_with_two_of_them():
     """Six hours apart and 2 dB more for every six of twelve: beside the threshold."""
     rng, monitor = np.random.default_rng(9), SeriesMonitor(None)

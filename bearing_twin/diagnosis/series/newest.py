@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Level of the newest snapshots of a machine, of which some may be disturbed.
+
+Shocks of a neighbour, spikes or cavitation can be in any snapshot of a sound machine, and may be
+higher than those of a fault. So their height tells nothing; how many snapshots have them does. As
+many of the newest snapshots are judged as the earlier ones of the same machine require. A machine
+without disturbances has its alarm after four snapshots, for its end may not last longer.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+
+FEWEST, MOST = 5, 13
+"""Least and largest number of newest snapshots that are judged."""
+EARLIER = 60
+"""Number of snapshots before the newest ``FEWEST`` that tell how often a limit is reached."""
+_REACHED = 3
+"""Number of these that reach it for each further snapshot that is judged. With 3, sound machines
+of which 1 to 35 % of the snapshots are disturbed are alarmed in up to 3 of 100 series of 1000
+snapshots, and with 4 in up to 11 (``python -m bearing_twin.studies.disturbed_series``)."""
+
+
+def judged(reached: int) -> int:
+    """
+    Return by how many of the newest snapshots a level is judged.
+
+    ``reached`` of the ``EARLIER`` snapshots before reach its limit.
+
+    >>> [judged(reached) for reached in (0, 1, 15, 60)]
+    [5, 6, 10, 13]
+
+    """
+    return min(FEWEST + math.ceil(reached / _REACHED), MOST)
+
+
+def newest_levels(
+    levels: Sequence[NDArray[np.float64]], limits: Sequence[float], sound: int
+) -> NDArray[np.float64]:
+    """
+    Return the level of each measure that all but one of the newest snapshots reach, dB.
+
+    Parameters
+    ----------
+    levels
+        Levels of all snapshots, each of shape (measures,), dB.
+    limits
+        Limit of each measure, dB.
+    sound
+        Number of snapshots before an alarm; their number without one. Later ones reach the limit
+        because of the damage.
+
+    Examples
+    --------
+    >>> quiet, loud = np.zeros(1), np.full(1, 9.0)
+    >>> newest_levels([quiet] * 60 + [loud] * 4, [6.0], 64)
+    array([9.])
+    >>> newest_levels([quiet, quiet, loud] * 20 + [loud] * 4, [6.0], 64)
+    array([0.])
+
+    """
+    newest, until = np.array(levels[-MOST:]), max(sound - FEWEST + 1, 0)
+    reached = np.zeros(len(limits), dtype=int)
+    for each in levels[max(until - EARLIER, 0) : until]:
+        reached += each >= limits
+    counts = (min(judged(int(count)), len(newest)) for count in reached)
+    return np.array([np.sort(newest[-count:, n])[:2][-1] for n, count in enumerate(counts)])
