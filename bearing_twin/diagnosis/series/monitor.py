@@ -11,7 +11,7 @@ may be seconds or weeks apart.
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import asdict
+from dataclasses import asdict, replace
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -32,11 +32,14 @@ from bearing_twin.diagnosis.signal.gate import FAINTEST, LARGEST
 from bearing_twin.diagnosis.signal.impact_height import impact_height, lowest_hz
 from bearing_twin.diagnosis.signal.severity import (
     band_name,
+    iso_zone,
     LEAST,
+    least_limits,
     Levels,
     measure_severity,
     MEASURES,
     monitored_levels,
+    Severity,
     valid_for_length,
 )
 from bearing_twin.diagnosis.streaming import HIGHEST_RATE, LOWEST_RATE
@@ -132,6 +135,7 @@ class SeriesMonitor:
         self._given = law
         self._bearing = bearing
         self._kept = SeriesMemory()
+        # Of each watched measure, and the velocity over 1 mm/s, dB.
         self._levels: list[NDArray[np.float64]] = []
         self._quiet = AveragedEnvelope()
         self._loud = AveragedEnvelope()
@@ -210,14 +214,17 @@ class SeriesMonitor:
             self._kept.rise = Rise()
             self._quiet.clear()
             changes, deviations = self._changes_at(now)
-        self._levels.append(levels - changes)
+        # NaN in short snapshots.
+        known = severity.velocity_rms > 0.0
+        velocity = 20.0 * math.log10(severity.velocity_rms) if known else -math.inf
+        self._levels.append(np.append(levels - changes, velocity))
         over, measure = self._over(now)
         if memory.base is not None:
             alone = float(levels[0] - changes[0]) - memory.base.levels[0]
             # A shock counts no more than the smallest rise that is an alarm.
             self._kept.rise.add(min(alone, self._limit(0)), memory.base.scatter[0])
         sure = over - Z90 * float(deviations[measure])
-        by_level = self._wanted(sure, measure, by_zone(severity)[0])
+        by_level = self._wanted(sure, measure, self._zone_level(severity))
         # Healthy snapshots alone do not make the level known: this takes a baseline.
         said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
@@ -337,7 +344,7 @@ class SeriesMonitor:
 
     def _over(self, now: Condition) -> tuple[float, int]:
         """Return the level of the last snapshots over their reference, dB, and its measure."""
-        over = self._kept.memory.over(self._recent_levels().tolist(), now)
+        over = self._kept.memory.over(self._recent_levels()[:-1].tolist(), now)
         over = [0.0 if math.isnan(value) else value for value in over]
         # The measures are compared by their ratio to their thresholds.
         most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
@@ -365,16 +372,23 @@ class SeriesMonitor:
 
     def _usual(self) -> Baseline | None:
         """Return the former baseline that agrees with the newest levels, or None."""
-        return self._kept.memory.was_settled_at(self._recent_levels())
+        return self._kept.memory.was_settled_at(self._recent_levels()[:-1])
+
+    def _zone_level(self, severity: Severity) -> str:
+        """Return the level that the velocity of the newest snapshots requires."""
+        reached = 10.0 ** (float(self._recent_levels()[-1]) / 20.0)
+        zone = iso_zone(reached, self._settings.power_group, self._settings.mounting)
+        return by_zone(replace(severity, velocity_rms=reached, iso_zone=zone))[0]
 
     def _recent_levels(self) -> NDArray[np.float64]:
-        """Return the level of each measure that the newest snapshots reach, dB."""
+        """Return the level of each measure and the velocity that the newest snapshots reach."""
         base, sound = self._kept.memory.base, len(self._levels)
         if not self._teaches and math.isfinite(self._kept.risen):
             sound = 1 + bisect_left(self._kept.points, self._kept.risen, key=lambda it: it.time)
         watched = range(len(WATCHED))
         limits = [base.levels[n] + self._limit(n) if base else math.inf for n in watched]
-        return newest_levels(self._levels, limits, sound)
+        zone_c = least_limits(self._settings.power_group, self._settings.mounting)[1]
+        return newest_levels(self._levels, [*limits, 20.0 * math.log10(zone_c)], sound)
 
     def _hold(self, time: float, wanted: str) -> None:
         """Update the held level, its place and rule; if an alarm ends, forget its envelopes."""
@@ -424,7 +438,7 @@ class SeriesMonitor:
             'averaged': [[a.count, a.turns] for a in self._averages.values()],
         }
         arrays = {
-            'levels': np.array(self._levels, dtype=np.float64).reshape(-1, len(WATCHED)),
+            'levels': np.array(self._levels, dtype=np.float64).reshape(-1, len(WATCHED) + 1),
             **{name: a.power for name, a in self._averages.items()},
         }
         return values, arrays
@@ -450,7 +464,7 @@ class SeriesMonitor:
         """
         self._kept = restored(SeriesMemory, values['kept'])
         self._levels = list(arrays['levels'])
-        if arrays['levels'].shape != (len(self._kept.points), len(WATCHED)):
+        if arrays['levels'].shape != (len(self._kept.points), len(WATCHED) + 1):
             msg = f'saved levels have shape {arrays["levels"].shape}; use what save() returned'
             raise BearingTwinError(msg)
         saved = zip(self._averages.items(), values['averaged'], strict=True)

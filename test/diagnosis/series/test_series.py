@@ -265,6 +265,23 @@ def test_a_short_snapshot_has_no_velocity():
     assert (point.iso_zone, point.level) == ('', 'ok')
 
 
+@pytest.mark.parametrize(('share', 'level'), [(0.1, 'ok'), (1.0, 'fault')])
+def test_a_zone_of_single_snapshots_is_no_alarm(share, level):
+    """Blows at 40 Hz, of 3 to 10 m/s^2, are zone C or D for their snapshot only."""
+    rng, t = np.random.default_rng(0), np.arange(6400) / 6400.0
+    blow = np.exp(-8.0 * t) * np.sin(2.0 * np.pi * 40.0 * t)
+    monitor = SeriesMonitor(None, DiagnosisSettings(power_group=2, mounting='rigid'))
+    for number in range(150):
+        height = rng.uniform(3.0, 10.0) * (rng.random() < share)
+        x = 0.3 * rng.standard_normal(len(t)) + height * blow
+        monitor.add(600.0 * number, x, 6400.0, SHAFT_HZ, unit='m/s^2')
+    said = monitor.report()
+    assert {point.iso_zone for point in said.points} >= {'C', 'D'}
+    assert said.level == level and said.first_alarm == pytest.approx(
+        math.nan if level == 'ok' else 4 * 600.0, nan_ok=True
+    )
+
+
 def test_a_machine_that_is_loud_from_the_first_snapshot_on_has_no_rise():
     monitor = SeriesMonitor(None, DiagnosisSettings(power_group=2, mounting='rigid'))
     rng = np.random.default_rng(6)
