@@ -542,8 +542,7 @@ def test_each_snapshot_at_another_speed_is_judged_alone():
 
 
 def test_answers_of_short_snapshots_say_that_they_are_none():
-    monitor, _ = life(0, 400)
-    assert not any('alone' in reason for reason in monitor.report().reasons)
+    assert not any('alone' in reason for reason in begun(0).monitor.report().reasons)
     rng = np.random.default_rng(6)
     monitor = SeriesMonitor(find_bearing('6205'), DiagnosisSettings(baseline_windows=20))
     for n in range(30):
