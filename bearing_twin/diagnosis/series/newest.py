@@ -6,7 +6,8 @@ Level of the newest snapshots of a machine, of which some may be disturbed.
 Shocks of a neighbour, spikes or cavitation can be in any snapshot of a sound machine, and may be
 higher than those of a fault. So their height tells nothing; how many snapshots have them does. As
 many of the newest snapshots are judged as the earlier ones of the same machine require. A machine
-without disturbances has its alarm after four snapshots, for its end may not last longer.
+without disturbances has its alarm after four snapshots, for its end may not last longer. In more
+than half of the snapshots it is no disturbance, but a fault that comes and goes.
 """
 
 from __future__ import annotations
@@ -31,6 +32,13 @@ _REACHED = 3
 of which 1 to 35 % of the snapshots are disturbed are alarmed in up to 3 of 100 series of 1000
 snapshots, and with 4 in up to 11 (``python -m bearing_twin.studies.disturbed_series``)."""
 
+OFTEN = 36
+"""Number of the newest ``EARLIER`` snapshots that a level which comes and goes reaches. With 36, 3
+of 100 series of 1000 snapshots are alarmed if 35 % are disturbed, and 99 if half are (the same
+study)."""
+LATELY = 2
+"""Number of the newest ``FEWEST`` snapshots that it still reaches: it ends with a repair."""
+
 
 def judged(reached: int) -> int:
     """
@@ -49,7 +57,10 @@ def newest_levels(
     levels: Sequence[NDArray[np.float64]], limits: Sequence[float], sound: int
 ) -> NDArray[np.float64]:
     """
-    Return the level of each measure that all but one of the newest snapshots reach, dB.
+    Return the level of each measure that the newest snapshots reach, dB.
+
+    It is the level that all but one of those that are judged reach, or a higher one that comes and
+    goes and that ``OFTEN`` of the newest ``EARLIER`` reach.
 
     Parameters
     ----------
@@ -68,11 +79,17 @@ def newest_levels(
     array([9.])
     >>> newest_levels([quiet, quiet, loud] * 20 + [loud] * 4, [6.0], 64)
     array([0.])
+    >>> newest_levels([quiet, loud, quiet, loud, loud] * 13, [6.0], 65)
+    array([9.])
 
     """
-    newest, until = np.array(levels[-MOST:]), max(sound - FEWEST + 1, 0)
+    newest, until = np.array(levels[-EARLIER:]), max(sound - FEWEST + 1, 0)
     reached = np.zeros(len(limits), dtype=int)
     for each in levels[max(until - EARLIER, 0) : until]:
         reached += each >= limits
     counts = (min(judged(int(count)), len(newest)) for count in reached)
-    return np.array([np.sort(newest[-count:, n])[:2][-1] for n, count in enumerate(counts)])
+    staying = np.array([np.sort(newest[-count:, n])[:2][-1] for n, count in enumerate(counts)])
+    if len(newest) < EARLIER:
+        return staying
+    often, lately = np.sort(newest, axis=0)[-OFTEN], np.sort(newest[-FEWEST:], axis=0)[-LATELY]
+    return np.maximum(staying, np.minimum(often, lately))

@@ -162,6 +162,19 @@ def test_an_alarm_of_rare_snapshots_does_not_end_with_two_of_them():
     assert monitor.report().level == 'ok'
 
 
+def test_a_fault_that_comes_and_goes_is_an_alarm_until_it_is_mended():
+    """14 dB more in three of five snapshots, never in three together."""
+    rng, monitor = np.random.default_rng(10), SeriesMonitor(None)
+    levels = []
+    for number in range(250):
+        height = 14.0 if 120 <= number < 210 and number % 5 in (1, 3, 4) else 0.0
+        x = 10.0 ** (height / 20.0) * rng.standard_normal(COUNT)
+        levels.append(monitor.add(600.0 * number, x, RATE, SHAFT_HZ).level)
+    assert set(levels[:120]) == {'none', 'ok'}
+    assert set(levels[180:210]) == {'fault'}
+    assert levels[-1] == 'ok'
+
+
 def test_other_speeds_and_broken_snapshots_are_not_judged():
     rng = np.random.default_rng(0)
     monitor = SeriesMonitor(None, DiagnosisSettings(baseline_windows=10))
