@@ -92,4 +92,5 @@ def newest_levels(
     if len(newest) < EARLIER:
         return staying
     often, lately = np.sort(newest, axis=0)[-OFTEN], np.sort(newest[-FEWEST:], axis=0)[-LATELY]
-    return np.maximum(staying, np.minimum(often, lately))
+    found: NDArray[np.float64] = np.maximum(staying, np.minimum(often, lately))
+    return found
