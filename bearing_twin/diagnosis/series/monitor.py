@@ -218,13 +218,14 @@ class SeriesMonitor:
         known = severity.velocity_rms > 0.0
         velocity = 20.0 * math.log10(severity.velocity_rms) if known else -math.inf
         self._levels.append(np.append(levels - changes, velocity))
-        over, measure = self._over(now)
+        recent = self._recent_levels()
+        over, measure = self._over(recent, now)
         if memory.base is not None:
             alone = float(levels[0] - changes[0]) - memory.base.levels[0]
             # A shock counts no more than the smallest rise that is an alarm.
             self._kept.rise.add(min(alone, self._limit(0)), memory.base.scatter[0])
         sure = over - Z90 * float(deviations[measure])
-        by_level = self._wanted(sure, measure, self._zone_level(severity))
+        by_level = self._wanted(sure, measure, self._zone_level(recent, severity))
         # Healthy snapshots alone do not make the level known: this takes a baseline.
         said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
@@ -342,9 +343,9 @@ class SeriesMonitor:
         base = self._kept.memory.base
         return max(SUSPECT_DB, SCATTER_FACTOR * base.scatter[measure] if base else 0.0)
 
-    def _over(self, now: Condition) -> tuple[float, int]:
+    def _over(self, recent: NDArray[np.float64], now: Condition) -> tuple[float, int]:
         """Return the level of the last snapshots over their reference, dB, and its measure."""
-        over = self._kept.memory.over(self._recent_levels()[:-1].tolist(), now)
+        over = self._kept.memory.over(recent[:-1].tolist(), now)
         over = [0.0 if math.isnan(value) else value for value in over]
         # The measures are compared by their ratio to their thresholds.
         most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
@@ -374,9 +375,9 @@ class SeriesMonitor:
         """Return the former baseline that agrees with the newest levels, or None."""
         return self._kept.memory.was_settled_at(self._recent_levels()[:-1])
 
-    def _zone_level(self, severity: Severity) -> str:
+    def _zone_level(self, recent: NDArray[np.float64], severity: Severity) -> str:
         """Return the level that the velocity of the newest snapshots requires."""
-        reached = 10.0 ** (float(self._recent_levels()[-1]) / 20.0)
+        reached = 10.0 ** (float(recent[-1]) / 20.0)
         zone = iso_zone(reached, self._settings.power_group, self._settings.mounting)
         return by_zone(replace(severity, velocity_rms=reached, iso_zone=zone))[0]
 

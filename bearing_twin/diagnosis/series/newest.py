@@ -84,10 +84,9 @@ def newest_levels(
 
     """
     newest, until = np.array(levels[-EARLIER:]), max(sound - FEWEST + 1, 0)
-    reached = np.zeros(len(limits), dtype=int)
-    for each in levels[max(until - EARLIER, 0) : until]:
-        reached += each >= limits
-    counts = (min(judged(int(count)), len(newest)) for count in reached)
+    earlier = np.reshape(levels[max(until - EARLIER, 0) : until], (-1, len(limits)))
+    reached = (earlier >= limits).sum(axis=0).tolist()
+    counts = (min(judged(count), len(newest)) for count in reached)
     staying = np.array([np.sort(newest[-count:, n])[:2][-1] for n, count in enumerate(counts)])
     if len(newest) < EARLIER:
         return staying
