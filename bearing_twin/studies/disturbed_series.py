@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-False alarms of series of snapshots, some of which are disturbed: basis of ``series/newest``.
+False alarms of series with disturbed snapshots: the basis of ``series/newest``.
 
 ``python -m bearing_twin.studies.disturbed_series [LIVES]`` simulates LIVES (1000) sound machines
 of 1000 snapshots after their baseline. A share of the snapshots, at random, has shocks or spikes

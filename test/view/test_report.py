@@ -61,7 +61,7 @@ def page(recording):
 
 @pytest.fixture
 def undrawn(monkeypatch):
-    """Have figures made but not drawn, for pages of which a test reads the words."""
+    """Make the figures of a page without drawing them, for tests that read only its words."""
     monkeypatch.setattr('bearing_twin.view.report.plots.svg_element', lambda *_: '<svg></svg>')
 
 

@@ -126,7 +126,7 @@ def shots(viewer, names=('',), taken=()):
     """
     Return the views in front whose names begin so, in that order, each with its picture.
 
-    Those of which there is a picture already are left out.
+    Views that already have a picture are left out.
     """
     views = viewer.client.get_state().views
     known = {view.view_id for view, _ in taken}

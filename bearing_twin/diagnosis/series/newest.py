@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Level of the newest snapshots of a machine, of which some may be disturbed.
+Level that the newest snapshots of a machine reach, although some may be disturbed.
 
 Shocks of a neighbour, spikes or cavitation can be in any snapshot of a sound machine, and may be
 higher than those of a fault. So their height tells nothing; how many snapshots have them does. As
@@ -28,9 +28,9 @@ FEWEST, MOST = 5, 13
 EARLIER = 60
 """Number of snapshots before the newest ``FEWEST`` that tell how often a limit is reached."""
 _REACHED = 3
-"""Number of these that reach it for each further snapshot that is judged. With 3, sound machines
-of which 1 to 35 % of the snapshots are disturbed are alarmed in up to 3 of 100 series of 1000
-snapshots, and with 4 in up to 11 (``python -m bearing_twin.studies.disturbed_series``)."""
+"""Number of these that reach it for each further snapshot that is judged. With 3, up to 3 of 100
+sound machines are alarmed within 1000 snapshots if 1 to 35 % of these are disturbed; with 4, up to
+11 (``python -m bearing_twin.studies.disturbed_series``)."""
 
 OFTEN = 36
 """Number of the newest ``EARLIER`` snapshots that a level which comes and goes reaches. With 36, 3

@@ -100,7 +100,7 @@ class Lanes:
         return state
 
     def snapshot(self, index: int, next_sample: int, tick: int) -> FloatArray:
-        """Return the numbers of which `condition` computes the condition of one bearing."""
+        """Return the numbers from which `condition` computes the state of one bearing."""
         found = np.empty(SNAPSHOT_SIZE)
         _take_snapshot(
             self.groups, index, next_sample % layout.CHUNK / self._sample_rate, self.values,
