@@ -11,7 +11,7 @@ import math
 from typing import Any, TYPE_CHECKING
 import zlib
 
-from bearing_twin.bearing import FAULT_CODES, LEVELS
+from bearing_twin.bearing import FAULT_CODES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.machine.level import UNKNOWN, with_fault_stage
 from bearing_twin.diagnosis.machine.trend import Source
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.diagnosis.result import Diagnosis
+    from bearing_twin.diagnosis.series.result import SeriesReport
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from numpy.typing import ArrayLike, NDArray
 
@@ -205,23 +206,7 @@ class SeriesDiagnoser:
                 correction_basis=str(report.law),
                 rising=math.ceil(point.rising * self._settings.series_cycle / 60.0),
             )  # fmt: skip
-        # The held level applies even if this snapshot cannot be judged.
-        level = report.level
-        found = replace(found, severity=severity, reasons=reasons)
-        unknown = self._monitor.lost and found.level == 'ok'
-        if not unknown and LEVELS.index(level) <= LEVELS.index(found.level):
-            return found
-        held = replace(found, level=level, window=(found.result, found.level))
-        if unknown or level in ('suspect', 'fault'):
-            # The rule of this snapshot is not that of the series' answer.
-            result = 'insufficient' if unknown else report.result
-            faults = found.faults if report.doubt in ('', found.rule) else ()
-            held = replace(
-                held, result=result, rule=report.doubt, kind='', confidence=UNKNOWN,
-                faults=(report.place,) if report.place else faults,
-                fault_code=FAULT_CODES[result],
-            )  # fmt: skip
-        return held
+        return _held(replace(found, severity=severity, reasons=reasons), report)
 
     def save(self) -> bytes:
         """Return the state to keep over a restart: the series without an incomplete snapshot."""
@@ -265,3 +250,27 @@ class SeriesDiagnoser:
         self._whole = math.nan
         self._parts.clear()
         self._due.clear()
+
+
+def _held(alone: Diagnosis, report: SeriesReport) -> Diagnosis:
+    """Return the diagnosis of a snapshot with the level and answer that the series holds."""
+    level, result = report.level, report.result
+    if level == 'ok' and alone.level == 'none':
+        # Nothing has risen, but snapshots that say nothing alone show no healthy bearing.
+        result = alone.result
+    if (result, level) == (alone.result, alone.level):
+        return alone
+    reasons = alone.reasons
+    if alone.level != 'none':
+        holds = 'level not known yet' if level == 'none' else f'{level} held'
+        text = f'series: {holds}; this snapshot alone says {alone.result}, {alone.level}'
+        reasons = (*reasons, text)
+    faults = alone.faults if report.doubt in ('', alone.rule) else ()
+    if report.place or level not in ('suspect', 'fault'):
+        faults = (report.place,) if report.place else ()
+    # The rule of this snapshot is not that of the series' answer.
+    return replace(
+        alone, result=result, level=level, rule=report.doubt, kind='',
+        confidence=0.0 if result == 'insufficient' else UNKNOWN, faults=faults,
+        fault_code=FAULT_CODES[result], reasons=reasons, window=(alone.result, alone.level),
+    )  # fmt: skip

@@ -80,11 +80,37 @@ def test_half_a_second_raises_no_level_by_its_zone(seconds, zone):
     """30 mm/s are zone D, but a velocity from 10 Hz on takes a second to measure."""
     settings = replace(CYCLE_SETTINGS, power_group=2, mounting='rigid', series_snapshot=seconds)
     diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
-    x = 8.0 * np.random.default_rng(1).standard_normal(round(seconds * RATE))
-    (due,) = diagnoser.take(0, x, RATE, 50.0, unit='g')
-    said = diagnoser.judge(due.analyse())
-    assert said.severity.iso_zone == zone
-    assert (said.level == 'fault') == (zone == 'D')
+    said = []
+    for number in range(5):
+        x = 8.0 * np.random.default_rng(number).standard_normal(round(seconds * RATE))
+        (due,) = diagnoser.take(round(600.0 * number * RATE), x, RATE, 50.0, unit='g')
+        said.append(diagnoser.judge(due.analyse()))
+    assert {each.severity.iso_zone for each in said} == {zone}
+    # One snapshot does not make a level.
+    assert [each.level for each in said[:4]] == ['none'] * 4
+    assert (said[4].level == 'fault') == (zone == 'D')
+
+
+def test_a_snapshot_that_is_worse_than_the_series_changes_no_published_level():
+    """One in four is in zone D: the level stays ok, and the message says what that one shows."""
+    settings = replace(
+        CYCLE_SETTINGS, series_snapshot=1.0, baseline_windows=10, power_group=2, mounting='rigid'
+    )
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    said = []
+    for number in range(40):
+        x = np.random.default_rng(number).standard_normal(round(RATE))
+        if number % 4 == 2:
+            x += 9.0 * np.sin(2.0 * np.pi * 20.0 * np.arange(len(x)) / RATE)
+        (due,) = diagnoser.take(round(600.0 * number * RATE), x, RATE, 25.0, unit='m/s^2')
+        said.append(diagnoser.judge(due.analyse()))
+    worse = said[38]
+    assert [each.level for each in said] == ['none'] * 9 + ['ok'] * 31
+    assert (worse.result, worse.window[1], worse.fault_code) == ('healthy', 'fault', 'BEARING_OK')
+    assert worse.severity.iso_zone == 'D' and worse.severity.stage == 0 and not worse.faults
+    assert worse.reasons[-1] == 'series: ok held; this snapshot alone says ambiguous, fault'
+    assert said[2].reasons[-1].startswith('series: level not known yet; this snapshot alone')
+    assert (said[39].result, said[39].window) == ('insufficient', ('insufficient', 'none'))
 
 
 def test_held_answer_of_a_series_has_the_rule_of_the_snapshots_that_it_stands_on():
