@@ -68,15 +68,7 @@ def ball_passages(e: Evidence) -> Verdict | None:
 def cage_ripple(e: Evidence) -> Verdict | None:
     if not _cage_or_ball(e):
         return None
-    first, _ = e.ball_or_cage
-    # Within a factor 2 in power neither is likelier.
-    clear = not 1.0 / RIVAL**2 <= e.cage_high_harmonics / RIPPLE <= RIVAL**2
-    text = (
-        'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
-        'passes the load zone, once a cage turn, or the cage is damaged; '
-        f'{f"the {first}" if clear else "neither"} is likelier'
-    )
-    return say(e, text, about=e.candidates['cage'], faults=e.ball_or_cage)
+    return say(e, _coincide(e), about=e.candidates['cage'], faults=e.ball_or_cage)
 
 
 @rule('suspect', 'Few cage turns do not resolve the comb of a cage.')
@@ -99,7 +91,20 @@ def weak_cage(e: Evidence) -> Verdict | None:
     cage = e.candidates['cage']
     if e.remaining or cage not in e.unexplained or e.impacts.get('cage', 0.0) < IMPACTS:
         return None
-    return say(e, NO_ALARM, about=cage)
+    # Only a strong comb can tell a cage that strikes from a ball in the load zone.
+    return say(e, _coincide(e), NO_ALARM, about=cage, faults=e.ball_or_cage)
+
+
+def _coincide(e: Evidence) -> str:
+    """Return what is said of a comb that ball and cage can make."""
+    first, _ = e.ball_or_cage
+    # Within a factor 2 in power neither is likelier.
+    clear = not 1.0 / RIVAL**2 <= e.cage_high_harmonics / RIPPLE <= RIVAL**2
+    return (
+        'ball and cage coincide: the envelope ripples with the cage; a ball strikes while it '
+        'passes the load zone, once a cage turn, or the cage is damaged; '
+        f'{f"the {first}" if clear else "neither"} is likelier'
+    )
 
 
 def _cage_or_ball(e: Evidence) -> bool:

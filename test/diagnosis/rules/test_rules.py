@@ -77,7 +77,7 @@ CASES = {
         Evidence.of(comb('cage', z=12.0, index=0.5), impacts={'cage': 2.0}),
         'suspect',
         'suspect',
-        ('cage',),
+        ('ball', 'cage'),
     ),
     'load_zone_modulated': (
         Evidence.of(INNER_SIDEBAND, **SIDEBAND),
