@@ -18,6 +18,8 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 # Bytecode of all modules takes most of an installation; those that are imported get theirs then.
 INSTALL := $(PIP) install --no-compile
 export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
+# Hundreds of processes import the same modules. Containers often have Python compile them in each.
+export PYTHONDONTWRITEBYTECODE :=
 PUBLISHED := test/test_wheels.py test/test_docs.py test/test_dockerfile.py
 # Types are checked while the kernels compile; with `make test release` that is tested then, too.
 MAKEFLAGS += --jobs=2
