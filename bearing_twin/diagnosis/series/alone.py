@@ -6,12 +6,15 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
+import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS, PLACES
 from bearing_twin.diagnosis.machine.level import with_required_level
 from bearing_twin.diagnosis.rules.table import RULES
+from bearing_twin.diagnosis.series.newest import EARLIER, FEWEST, judged, levels_reached
 from bearing_twin.diagnosis.signal.severity import valid_for_length
+import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.chain import Analysis
@@ -28,7 +31,9 @@ _TELLS = frozenset(rule.name for rule in RULES if rule.answer == 'suspect' and r
 """Rules of suspicions that have a next step of their own."""
 
 NEWEST = 2 * CONFIRMING - 1
-"""Number of answers that are kept: the level that ``CONFIRMING`` reach is their median."""
+"""Number of newest answers: the level that ``CONFIRMING`` of them reach is their median."""
+_OK = LEVELS.index('ok')
+_SUSPECT = LEVELS.index('suspect')
 
 
 def answer_alone(analysis: Analysis) -> Diagnosis:
@@ -64,11 +69,24 @@ class Answer:
     reason: str = ''
     """First reason."""
 
+    @property
+    def rank(self) -> int:
+        """Index of the level."""
+        return LEVELS.index(self.level)
+
+    @property
+    def named_rank(self) -> int:
+        """Index of the level if the answer names a part of the bearing, else at most of *ok*."""
+        return self.rank if self.place or self.open_places else min(self.rank, _OK)
+
 
 @dataclass
 class Answers:
     """
     Newest answers of single snapshots.
+
+    Shocks, cavitation or a zone that names no part of the bearing can be in any snapshot of a
+    sound machine. Such an answer counts by how many there usually are; see :mod:`series.newest`.
 
     Examples
     --------
@@ -82,9 +100,11 @@ class Answers:
     """
 
     newest: list[Answer] = field(default_factory=list)
+    usual: float = 0.5
+    """Share of *suspect* or worse answers before an alarm, by the rule of succession."""
 
-    def add(self, answer: Diagnosis) -> None:
-        """Take an answer."""
+    def add(self, answer: Diagnosis, *, sound: bool = True) -> None:
+        """Take an answer; of a ``sound`` machine it tells how many are usually disturbed."""
         # An ambiguous answer may be about a place and something else.
         unsure = answer.rule in _AMBIGUOUS and bool(answer.faults)
         rule = answer.rule if unsure or answer.rule in _TELLS else ''
@@ -98,18 +118,34 @@ class Answers:
                 reason=answer.reasons[0] if answer.reasons else '',
             )
         )
-        del self.newest[:-NEWEST]
+        del self.newest[: -EARLIER - FEWEST]
+        if sound:
+            before = [each.rank >= _SUSPECT for each in self.newest[:-FEWEST]]
+            self.usual = (sum(before) + 1) / (len(before) + 2)
 
     @property
     def level(self) -> str:
-        """Level that ``CONFIRMING`` of the newest answers reach; 'none' with fewer answers."""
-        ranks = sorted((LEVELS.index(each.level) for each in self.newest), reverse=True)
-        return LEVELS[ranks[CONFIRMING - 1]] if len(ranks) >= CONFIRMING else 'none'
+        """
+        Level of the newest answers; 'none' with fewer than ``CONFIRMING``.
+
+        ``CONFIRMING`` of the last ``NEWEST`` reach it and name a part of the bearing, or are *ok*;
+        or all but one of as many as are judged reach it.
+        """
+        if len(self.newest) < CONFIRMING:
+            return 'none'
+        named = sorted((each.named_rank for each in self._last), reverse=True)[CONFIRMING - 1]
+        ranks = np.array([[float(each.rank)] for each in self.newest[-EARLIER:]])
+        reached = levels_reached(ranks, [judged(math.ceil(EARLIER * self.usual))])
+        return LEVELS[max(named, int(reached[0]))]
+
+    @property
+    def _last(self) -> list[Answer]:
+        return self.newest[-NEWEST:]
 
     @property
     def place(self) -> str:
         """Place that ``CONFIRMING`` of the newest answers name as a fault; '' if there is none."""
-        named = Counter(each.place for each in self.newest if each.place).most_common(1)
+        named = Counter(each.place for each in self._last if each.place).most_common(1)
         return named[0][0] if named and named[0][1] >= CONFIRMING else ''
 
     @property
@@ -122,27 +158,27 @@ class Answers:
     def _agreeing(self) -> list[Answer]:
         """Return the answers whose level is at least that of the series."""
         rank = LEVELS.index(self.level)
-        return [each for each in self.newest if LEVELS.index(each.level) >= rank]
+        return [each for each in self._last if each.rank >= rank]
 
     def __str__(self) -> str:
         """Return the common answer in words, or why there is none."""
-        level, of = self.level, f'of the last {len(self.newest)} snapshots alone'
+        level, of = self.level, f'of the last {len(self._last)} snapshots alone'
         if level == 'none':
-            mute = [each.reason for each in self.newest if each.level == 'none']
+            mute = [each.reason for each in self._last if each.level == 'none']
             if len(mute) < CONFIRMING:
                 return ''
             text, why = f'{len(mute)} {of} say nothing', Counter(mute).most_common(1)[0][0]
             return f'{text} ({why})' if why else text
         if place := self.place:
-            count = sum(each.place == place for each in self.newest)
+            count = sum(each.place == place for each in self._last)
             return f'{count} {of} say {place}, {level}'
         agree = self._agreeing()
         counts = Counter(each.level for each in agree)
         # Worse answers are too few for the level, but each of them is a finding.
-        worse = [f', {counts[each]} {each}' for each in LEVELS if each != level and counts[each]]
-        text = f'{counts[level]} {of} say {level}{"".join(worse)}'
+        said, *worse = [f'{counts[each]} {each}' for each in LEVELS if counts[each]]
+        text = f'{said.replace(" ", f" {of} say ")}{"".join(f", {each}" for each in worse)}'
         # There is nothing to tell of an ok answer.
-        told = max(counts, key=LEVELS.index) if level == 'ok' else level
+        told = level if counts[level] and level != 'ok' else max(counts, key=LEVELS.index)
         if told == 'ok':
             return text
         unsure = Counter(

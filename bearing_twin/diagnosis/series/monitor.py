@@ -292,7 +292,7 @@ class SeriesMonitor:
             )  # fmt: skip
             answer = answer_alone(excerpt.analyse())
         if answer is not None:
-            self._kept.answers.add(answer)
+            self._kept.answers.add(answer, sound=self._kept.held in ('ok', 'none'))
 
     def _not_compared(self, time: float, reason: str) -> None:
         """Leave out a snapshot whose level is not comparable; its answer may still raise it."""

@@ -86,7 +86,20 @@ def newest_levels(
     newest, until = np.array(levels[-EARLIER:]), max(sound - FEWEST + 1, 0)
     earlier = np.reshape(levels[max(until - EARLIER, 0) : until], (-1, len(limits)))
     reached = (earlier >= limits).sum(axis=0).tolist()
-    counts = (min(judged(count), len(newest)) for count in reached)
+    return levels_reached(newest, [judged(count) for count in reached])
+
+
+def levels_reached(newest: NDArray[np.float64], counts: Sequence[int]) -> NDArray[np.float64]:
+    """
+    Return the level of each measure that all but one of its newest snapshots reach.
+
+    Or a higher one that comes and goes. ``newest`` are the levels of up to ``EARLIER`` snapshots,
+    shape (snapshots, measures); ``counts`` says how many of them are judged.
+
+    >>> levels_reached(np.array([[0.0], [9.0], [7.0], [0.0], [8.0]]), [4])
+    array([7.])
+
+    """
     staying = np.array([np.sort(newest[-count:, n])[:2][-1] for n, count in enumerate(counts)])
     if len(newest) < EARLIER:
         return staying

@@ -8,6 +8,7 @@ from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis.report import insufficient
 from bearing_twin.diagnosis.rules.table import RULES
 from bearing_twin.diagnosis.series.alone import Answer, Answers
+import numpy as np
 import pytest
 
 WHY = {rule.name: rule.why.rstrip('.') for rule in RULES}
@@ -17,8 +18,16 @@ OK, SUSPECT = Answer('ok'), Answer('suspect', reason='a comb')
 OUTER = Answer('fault', 'outer', reason='outer: comb')
 
 
+def said(answer):
+    """Return a diagnosis with the level and place of an answer."""
+    faults = tuple(filter(None, [answer.open_places]))
+    return replace(
+        insufficient([], find_bearing('6203')), level=answer.level, faults=faults, reasons=()
+    )
+
+
 @pytest.mark.parametrize(
-    ('newest', 'said'),
+    ('newest', 'text'),
     [
         ([OK] * 9, '9 of the last 9 snapshots alone say ok'),
         (
@@ -51,9 +60,9 @@ OUTER = Answer('fault', 'outer', reason='outer: comb')
         ([OUTER] * 5 + [TURNS] * 4, '5 of the last 9 snapshots alone say outer, fault'),
     ],
 )
-def test_page_says_no_more_than_the_snapshots(newest, said):
-    assert str(Answers(newest)) == said
-    assert str(Answers(newest[::-1])) == said
+def test_page_says_no_more_than_the_snapshots(newest, text):
+    assert str(Answers(newest)) == text
+    assert str(Answers(newest[::-1])) == text
 
 
 @pytest.mark.parametrize(
@@ -74,3 +83,40 @@ def test_most_answers_of_a_rule_with_a_next_step_give_it_to_the_series(rule):
     assert str(answers).endswith(open_place if rule.answer == 'ambiguous' else 'outer: comb')
     answers.newest[2:] = [SUSPECT] * 2
     assert answers.doubt == ''
+
+
+@pytest.mark.parametrize(
+    ('share', 'answer', 'alarmed'),
+    [
+        (0.25, Answer('suspect'), (0, 1)),
+        (0.25, Answer('fault'), (0, 1)),
+        (0.8, Answer('suspect'), (20, 20)),
+        (1.0, Answer('fault'), (20, 20)),
+        # A comb of the bearing is no shock: 5 of 9 are an alarm.
+        (0.6, Answer('suspect', open_places='outer'), (20, 20)),
+    ],
+)
+def test_answers_that_name_no_part_count_by_how_many_there_are(share, answer, alarmed):
+    """Shocks make a quarter of the snapshots of a sound machine suspect: 20 lives of 200."""
+    rng, found = np.random.default_rng(0), 0
+    for _ in range(20):
+        answers, alarm = Answers(), False
+        for _ in range(200):
+            newest = answer if rng.random() < share else Answer('none')
+            answers.add(said(newest), sound=not alarm)
+            alarm |= answers.level in ('suspect', 'fault')
+        found += alarm
+    assert alarmed[0] <= found <= alarmed[1]
+
+
+def test_disturbed_answers_become_usual_in_sound_snapshots_only():
+    answers = Answers()
+    for number in range(100):
+        answers.add(said(Answer('suspect' if number % 3 == 0 else 'ok')))
+    assert answers.usual == pytest.approx(21 / 62)
+    # 12 are judged then.
+    for count in range(1, 14):
+        answers.add(said(Answer('fault')), sound=False)
+        assert (answers.level == 'fault') == (count >= 11)
+    assert answers.usual == pytest.approx(21 / 62)
+    assert str(answers) == '9 of the last 9 snapshots alone say fault'
