@@ -24,7 +24,13 @@ from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING, WHY
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
-from bearing_twin.diagnosis.series.newest import newest_levels
+from bearing_twin.diagnosis.series.newest import (
+    EARLIER,
+    FEWEST,
+    judged,
+    lasting,
+    newest_levels,
+)
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.series.state import SeriesMemory
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -490,7 +496,15 @@ class SeriesMonitor:
         if np.median(levels[-CONFIRMING:]) <= floor + reference:
             # Without a rise: a zone may be an alarm from the first snapshot on.
             return math.nan
-        return float(times[start + rise_begins(levels[start:], floor, reference)])
+        levels = levels[start:]
+        before = levels[: max(len(levels) - FEWEST, 0)][-EARLIER:]
+        count = judged(int((before >= floor + self._limit(measure)).sum()))
+        kept = lasting(levels, count) if len(levels) >= count else levels
+        # A level that comes and goes does not last.
+        kept = kept if kept[-1] > floor + reference else levels
+        first = rise_begins(kept, floor, reference)
+        first += int(np.argmax(levels[first:] > floor + reference))
+        return float(times[start + first])
 
     def _trend(self) -> float:
         base = self._kept.memory.base

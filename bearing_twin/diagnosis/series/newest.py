@@ -16,6 +16,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -105,4 +106,18 @@ def levels_reached(newest: NDArray[np.float64], counts: Sequence[int]) -> NDArra
         return staying
     often, lately = np.sort(newest, axis=0)[-OFTEN], np.sort(newest[-FEWEST:], axis=0)[-LATELY]
     found: NDArray[np.float64] = np.maximum(staying, np.minimum(often, lately))
+    return found
+
+
+def lasting(levels: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """
+    Return the level that all but one of a snapshot and the next ones reach, ``count`` in all.
+
+    Single shocks do not raise it. ``levels``, dB, of shape (n,); the last ``count - 1`` have none.
+
+    >>> lasting(np.array([0.0, 9.0, 0.0, 0.0, 9.0, 8.0, 9.0]), 3)
+    array([0., 0., 0., 8., 9.])
+
+    """
+    found: NDArray[np.float64] = np.sort(sliding_window_view(levels, count), axis=1)[:, 1]
     return found

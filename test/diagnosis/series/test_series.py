@@ -388,6 +388,20 @@ def test_change_point_is_that_of_the_definition():
     assert expected == pytest.approx(400, abs=1)
 
 
+@pytest.mark.parametrize('share', [0.0, 0.1, 0.25])
+def test_shocks_before_a_change_are_not_its_beginning(share):
+    """The machine is 12 dB louder from snapshot 120 on; shocks of four times that at random."""
+    rng, monitor = np.random.default_rng(2), SeriesMonitor(None)
+    for number in range(150):
+        x = (4.0 if number >= 120 else 1.0) * rng.standard_normal(COUNT)
+        if rng.random() < share:
+            x[600:660] += 60.0 * rng.standard_normal(60)
+        monitor.add(600.0 * number, x, RATE, SHAFT_HZ)
+    report = monitor.report()
+    assert report.first_alarm >= 120 * 600.0
+    assert report.change == pytest.approx(120 * 600.0, abs=3 * 600.0)
+
+
 def test_trend_is_the_median_of_the_slopes_between_all_points():
     rng = np.random.default_rng(3)
     times = np.sort(rng.choice(1000, 299)).astype(float)
