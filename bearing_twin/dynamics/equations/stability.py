@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 
 FloatArray = npt.NDArray[np.float64]
+_Motions = list[tuple[float, FloatArray, FloatArray]]
 
 _OVERLOAD = 2.0
 """Factor on the contact stiffness: an impact may press the balls in four times as deep as the load
@@ -118,16 +119,19 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
 
     """
     least = filters.least_steps(sample_rate)
-    fastest = max(mode for mode, _, _ in _motions(p, preloaded=False)[:2])
+    motions = _motions(p, preloaded=False)
+    fastest = max(mode for mode, _, _ in motions[:2])
+    if p.thermal_mode == 'physical':
+        motions = _motions(p, preloaded=True)
     if fastest / (sample_rate * least) <= _GOOD_STEP:
         with contextlib.suppress(BearingTwinError):
-            check_step(p, 1.0 / (sample_rate * least))
+            _check(motions, 1.0 / (sample_rate * least))
             return least
-    check_step(p, 1.0 / (sample_rate * 3 * least), snaps=False)
+    _check(motions, 1.0 / (sample_rate * 3 * least), snaps=False)
     return 3 * least
 
 
-def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
+def check_step(p: TwinParameters, h: float) -> None:
     """
     Raise an error if a step of ``h`` seconds does not resolve the fastest motion.
 
@@ -151,7 +155,11 @@ def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
     bearing_twin.errors.BearingTwinError: the fastest motion of these parameters is at 548 Hz, ...
 
     """
-    motions = _motions(p, preloaded=True)
+    _check(_motions(p, preloaded=True), h)
+
+
+def _check(motions: _Motions, h: float, *, snaps: bool = True) -> None:
+    """Raise the error of `check_step` if a step of ``h`` s does not resolve ``motions``."""
     matrices = np.array([amplification(k, c, h, snaps=snaps) for _, k, c in motions])
     radii = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
     for index, (radius, (fastest, _, _)) in enumerate(zip(radii, motions, strict=True)):
@@ -165,7 +173,7 @@ def check_step(p: TwinParameters, h: float, *, snaps: bool = True) -> None:
             raise BearingTwinError(msg)
 
 
-def _motions(p: TwinParameters, *, preloaded: bool) -> list[tuple[float, FloatArray, FloatArray]]:
+def _motions(p: TwinParameters, *, preloaded: bool) -> _Motions:
     """
     Return fastest mode, rad/s, K and C without contact, in equilibrium and under overload.
 
