@@ -4,10 +4,9 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
+from scipy.fft import next_fast_len
 from scipy.signal import hilbert
 
 FloatArray = npt.NDArray[np.float64]
@@ -48,23 +47,24 @@ def line_frequency(acceleration: FloatArray, rate: float, near: float) -> float:
     """
     Frequency of an envelope line, Hz, from its first three harmonics, interpolated between bins.
 
-    The envelope is padded eightfold; the maximum within 2.5 Hz of each harmonic is refined by
+    The envelope is padded fourfold; the maximum within 2.5 Hz of each harmonic is refined by
     a parabola through the logarithms and weighted by (order x amplitude)^2. Notable: with a
     load zone the line has neighbours at 2 f_in - 5 f_r and 5 f_r, 0.66 Hz away for the paper's
     bearing. Records shorter than about 5 s do not separate them and are off by up to 0.1 Hz.
     """
     envelope = np.abs(hilbert(acceleration - acceleration.mean()))
-    size = 1 << math.ceil(math.log2(8 * len(envelope)))
+    size = next_fast_len(4 * len(envelope), real=True)
     windowed = (envelope - envelope.mean()) * np.hanning(len(envelope))
-    values = np.abs(np.fft.rfft(windowed, size))
+    transform = np.fft.rfft(windowed, size)
     step = rate / size
     total = weighted = 0.0
     for order in (1, 2, 3):
         low, high = (int((order * near + side) / step) for side in (-2.5, 2.5))
-        top = low + int(values[low:high].argmax())
-        left, middle, right = np.log(values[top - 1 : top + 2])
+        top = low + int(np.abs(transform[low:high]).argmax())
+        heights = np.abs(transform[top - 1 : top + 2])
+        left, middle, right = np.log(heights)
         offset = 0.5 * (left - right) / (left - 2.0 * middle + right)
-        weight = (order * values[top]) ** 2
+        weight = (order * heights[1]) ** 2
         weighted += weight * (top + offset) * step / order
         total += weight
     return float(weighted / total)

@@ -13,7 +13,9 @@ import multiprocessing
 import signal
 from typing import TYPE_CHECKING, TypeVar
 
+from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics import preset, Simulator, warm_up
+from bearing_twin.dynamics.equations import coefficients
 from bearing_twin.dynamics.trend import impact_amplitude
 from bearing_twin.paper import settings
 import numpy as np
@@ -124,8 +126,7 @@ def simulate(spec: RunSpec) -> Record:
     """
     parameters = spec.parameters()
     cold = spec.temperature if spec.was is None else spec.was
-    probe = Simulator(parameters, temperature=cold, shaft_hz=spec.shaft_hz)
-    bpfi = probe.condition().bpfi
+    bpfi = _passing_hz(parameters, cold, spec.shaft_hz)
     settling = _SETTLING_IMPACTS / bpfi
     twice = spec.was is not None and not spec.ramp
     lead = 2.0 * settling if twice else settling
@@ -153,6 +154,14 @@ def simulate(spec: RunSpec) -> Record:
         bpfi=bpfi,
         clearance=parts[-1].condition.radial_clearance,
     )
+
+
+def _passing_hz(p: TwinParameters, temperature: float, shaft_hz: float) -> float:
+    """Return the ball-pass frequency of the inner race, slip included, Hz."""
+    values = np.empty(coefficients.CONDITION_SIZE)
+    constants = coefficients.constants_of(p)
+    coefficients.evaluate(constants, temperature, temperature, shaft_hz, values)
+    return fault_frequencies(p.bearing, shaft_hz, float(values[coefficients.SLIP])).bpfi
 
 
 def in_parallel(work: Callable[[S], R], items: Sequence[S], *, processes: int) -> list[R]:
