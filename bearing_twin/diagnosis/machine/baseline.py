@@ -81,33 +81,61 @@ def settled_baseline(
     True
 
     """
+    if why_unsettled(window, laws):
+        return None
     table = np.array(window, dtype=np.float64)
-    heat, measured = table[:, 1], table[:, 3:]
-    levels = measured.copy()
-    known = heat[np.isfinite(heat)]
-    middle_heat = float(np.median(known)) if len(known) else math.nan
-    for column, law in enumerate(laws):
-        levels[:, column] -= [law.temperature.correct(value, middle_heat)[0] for value in heat]
-    if _drift(levels[:, 0]) > SETTLED_DB:
-        return None
-    # The level of the whole signal is what settles: its law is the first.
-    if laws and (whole := laws[0].temperature).known:
-        known = known - np.clip(known, whole.low, whole.high)
-    if len(known) > len(heat) // 2 and _drift(known) > SETTLED_K:
-        return None
-    middle = np.median(levels, axis=0)
-    # Of the levels as measured: a law can turn out to be of something else, and is given up then.
-    apart = np.abs(measured - np.median(measured, axis=0))
-    scatter = 1.4826 * np.median(apart, axis=0)
-    if scatter[0] > MOST_SCATTER_DB:
-        return None
+    levels, known = _at_one_temperature(table, laws)
     return Baseline(
-        levels=middle.tolist(),
-        scatter=scatter.tolist(),
-        temperature=middle_heat,
+        levels=np.median(levels, axis=0).tolist(),
+        scatter=_scatter(table).tolist(),
+        temperature=float(np.median(known)) if len(known) else math.nan,
         octaves=float(np.median(table[:, 2])),
         times=table[[0, -1], 0].tolist(),
     )
+
+
+def why_unsettled(window: Sequence[Sequence[float]], laws: Sequence[Law] = ()) -> str:
+    """
+    Return what of a window, as of :func:`settled_baseline`, has not settled; '' if all has.
+
+    >>> why_unsettled([[t, 60.0, 4.6, 0.1 * t] for t in range(20)])
+    'the level moves by 2.0 dB'
+
+    """
+    table = np.array(window, dtype=np.float64)
+    levels, known = _at_one_temperature(table, laws)
+    if (moves := _drift(levels[:, 0])) > SETTLED_DB:
+        return f'the level moves by {moves:.1f} dB'
+    # The level of the whole signal is what settles: its law is the first.
+    if laws and (whole := laws[0].temperature).known:
+        known = known - np.clip(known, whole.low, whole.high)
+    if len(known) > len(table) // 2 and (moves := _drift(known)) > SETTLED_K:
+        return f'the temperature moves by {moves:.1f} K'
+    if (scatter := float(_scatter(table)[0])) > MOST_SCATTER_DB:
+        return f'the level scatters by {scatter:.1f} dB'
+    return ''
+
+
+def _at_one_temperature(
+    table: NDArray[np.float64], laws: Sequence[Law]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the levels at the median temperature, dB, and the known temperatures, degC."""
+    heat, levels = table[:, 1], table[:, 3:].copy()
+    known = heat[np.isfinite(heat)]
+    middle = float(np.median(known)) if len(known) else math.nan
+    for column, law in enumerate(laws):
+        levels[:, column] -= [law.temperature.correct(value, middle)[0] for value in heat]
+    return levels, known
+
+
+def _scatter(table: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the standard deviation of each measure from the median absolute deviation, dB."""
+    # Of the levels as measured: a law can turn out to be of something else, and is given up then.
+    measured = table[:, 3:]
+    scatter: NDArray[np.float64] = 1.4826 * np.median(
+        np.abs(measured - np.median(measured, axis=0)), axis=0
+    )
+    return scatter
 
 
 def _drift(values: NDArray[np.float64]) -> float:
@@ -225,6 +253,17 @@ class Memory:
         """Drop levels before a time, s, that are in no baseline yet."""
         for window in self.windows.values():
             window[:] = [row for row in window if row[0] >= time]
+
+    def why_not_settled(self) -> str:
+        """Return why the largest window of levels at one speed is no baseline, in words."""
+        speed, window = max(self.windows.items(), key=lambda each: len(each[1]))
+        laws = self.laws(len(window[0]) - 3)
+        why = why_unsettled(window, laws if laws[0].temperature.known else ())
+        if why:
+            return why
+        table = np.array(window)
+        over = self._over_lowest(speed, *np.median(table[:, (3, 1)], axis=0).tolist())
+        return f'the level has settled {over:.1f} dB above the lowest so far'
 
     def most_at_one_speed(self) -> tuple[int, float]:
         """Return the largest number of levels kept at one speed, and that speed, Hz."""

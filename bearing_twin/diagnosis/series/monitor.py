@@ -531,11 +531,13 @@ class SeriesMonitor:
             wanted = self._settings.baseline_windows
             why = f'{wanted} snapshots in a row wanted; {len(self._kept.points)} judged'
             if count >= wanted:
-                why = 'level or temperature moves, or the level is '
-                why += f'{SUSPECT_DB:g} dB above the lowest'
+                why = f'in {wanted} snapshots {self._kept.memory.why_not_settled()}'
             elif not math.isnan(hertz):
                 why = f'{wanted} snapshots at one speed wanted; most: {count} at {hertz:.4g} Hz'
-            reasons.append(f'no baseline: {why}')
+            reasons.append(
+                f'no baseline: {why}. Until there is one, only {FAULT_DB:g} dB over the lowest '
+                'level, a zone or a comb is an alarm'
+            )
         if self.lost:
             reasons.append(f'not known: the last {self._kept.unjudged} snapshots were not judged')
         if self._kept.points:

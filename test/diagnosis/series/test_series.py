@@ -402,6 +402,30 @@ def test_shocks_before_a_change_are_not_its_beginning(share):
     assert report.change == pytest.approx(120 * 600.0, abs=3 * 600.0)
 
 
+@pytest.mark.parametrize(
+    ('level', 'kelvin', 'why'),
+    [
+        (lambda n: 0.05 * n, 0.0, 'the level moves by 3.0 dB. Until'),
+        (lambda n: 0.0, 0.2, 'the temperature moves by 12.0 K. Until'),
+        (lambda n: (0.0, 5.0, -5.0)[n % 3], 0.0, 'the level scatters by 7.4 dB. Until'),
+        (lambda n: 8.0 * (n > 30), 0.0, 'the level has settled 8.'),
+    ],
+)
+def test_a_machine_without_a_baseline_says_what_has_not_settled(level, kelvin, why):
+    rng, monitor = np.random.default_rng(0), SeriesMonitor(None)
+    for number in range(100):
+        x = 10.0 ** (level(number) / 20.0) * (-1.0) ** np.arange(COUNT)
+        x += 1e-3 * rng.standard_normal(COUNT)
+        heat = 50.0 + kelvin * number
+        point = monitor.add(600.0 * number, x, RATE, SHAFT_HZ, temperature=heat)
+    assert point.level == 'none'
+    assert monitor.report().reasons[0].startswith(f'no baseline: in 60 snapshots {why}')
+    # The worn end is an alarm all the same.
+    for number in range(100, 116):
+        monitor.add(600.0 * number, 20.0 * rng.standard_normal(COUNT), RATE, SHAFT_HZ)
+    assert monitor.report().level == 'fault'
+
+
 def test_trend_is_the_median_of_the_slopes_between_all_points():
     rng = np.random.default_rng(3)
     times = np.sort(rng.choice(1000, 299)).astype(float)
