@@ -524,7 +524,7 @@ class SeriesMonitor:
         if place and place == self._kept.place != self._kept.answers.place:
             reasons.append(f'{self._kept.held} held: earlier snapshots say {place}')
         base = self._kept.memory.base
-        if base is None and not self._teaches and math.isnan(self._kept.risen):
+        if base is None and not self._teaches:
             reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')
         elif base is None:
             count, hertz = self._kept.memory.most_at_one_speed()
