@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
+from bearing_twin.diagnosis.machine.dependence import fit_law, LEAST_ROWS
 from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.signal.shaft import resample
 import numpy as np
@@ -32,5 +33,8 @@ def warm_up() -> None:
     diagnose_record(x, RATE, bearing, SHAFT_HZ)
     # Called only beside the comb of another race, or if the cage's comb is the strongest.
     OrderSpectra.of_lines(np.ones(1)).line_power(np.ones(1), slice(1))
+    # Called only with a healthy record of one machine.
+    level = np.zeros(LEAST_ROWS)
+    fit_law(level, level, level)
     # Called only if the speed varies.
     resample(np.zeros(4), np.zeros(1))

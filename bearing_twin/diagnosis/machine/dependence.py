@@ -16,6 +16,7 @@ import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.numerics.compiled import compiled
 import numpy as np
 
 if TYPE_CHECKING:
@@ -251,32 +252,71 @@ def _regression(
     matrix: NDArray[np.float64], y: NDArray[np.float64], priors: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return coefficients and covariance of a robust regression with autocorrelation."""
-    means, widths = priors.T
+    means, widths = priors.T.copy()
     memory, beta = 0.0, means.copy()
-    covariance = np.diag(widths**2)
     for _ in range(6):
         rows = matrix[1:] - memory * matrix[:-1]
         right = y[1:] - memory * y[:-1]
         left = right - rows @ beta
-        sigma = max(1.4826 * float(np.median(np.abs(left - np.median(left)))), 1e-3)
+        sigma = max(1.4826 * _median(np.abs(left - _median(left))), 1e-3)
 
         # Rows of the data, then of the priors, all in standard deviations.
         whole = np.vstack([rows / sigma, np.diag(1.0 / widths)])
         target = np.concatenate([right / sigma, means / widths])
-        # Huber's estimate by modified weights (Huber and Ronchetti, 2009, section 7.8).
-        for _ in range(MOST_WEIGHINGS):
-            weights = np.minimum(1.0, HUBER / np.maximum(np.abs(whole @ beta - target), 1e-12))
-            weighted = whole.T * weights
-            before, beta = beta, np.linalg.solve(weighted @ whole, weighted @ target)
-            if np.abs((beta - before) / widths).max() < CONVERGED:
-                break
-        weights = weights[: len(right)]
-        precision = (rows * weights[:, None]).T @ rows / sigma**2 + np.diag(widths**-2)
-        covariance = np.linalg.inv(precision)
-        rest = y - matrix @ beta
-        raw = lag_one(rest)
+        weights = _weighed(whole, target, widths, beta)[: len(right)]
+        raw = lag_one(y - matrix @ beta)
         memory = min(max((raw * len(y) + 2.0) / max(len(y) - 4.0, 1.0), 0.0), 0.98)
-    return beta, covariance
+    precision = (rows * weights[:, None]).T @ rows / sigma**2 + np.diag(widths**-2)
+    return beta, np.linalg.inv(precision)
+
+
+@compiled()
+def _weighed(
+    whole: NDArray[np.float64],
+    target: NDArray[np.float64],
+    widths: NDArray[np.float64],
+    beta: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """
+    Move ``beta`` to Huber's estimate by modified weights, and return the weights, shape (rows,).
+
+    See Huber and Ronchetti, 2009, section 7.8. The priors in ``whole`` make the normal equations
+    positive definite, so that Cholesky's decomposition solves them.
+    """
+    rows, size = whole.shape
+    weights = np.empty(rows)
+    root, solved = np.empty((size, size)), np.empty(size)
+    for _ in range(MOST_WEIGHINGS):
+        root[:], solved[:] = 0.0, 0.0
+        for n in range(rows):
+            left = -target[n]
+            for i in range(size):
+                left += whole[n, i] * beta[i]
+            weights[n] = min(1.0, HUBER / max(abs(left), 1e-12))
+            for i in range(size):
+                weighted = weights[n] * whole[n, i]
+                solved[i] += weighted * target[n]
+                for k in range(i + 1):
+                    root[i, k] += weighted * whole[n, k]
+        for i in range(size):
+            for k in range(i + 1):
+                rest = root[i, k]
+                for m in range(k):
+                    rest -= root[i, m] * root[k, m]
+                root[i, k] = math.sqrt(rest) if i == k else rest / root[k, k]
+            for k in range(i):
+                solved[i] -= root[i, k] * solved[k]
+            solved[i] /= root[i, i]
+        moved = 0.0
+        for i in range(size - 1, -1, -1):
+            for k in range(i + 1, size):
+                solved[i] -= root[k, i] * solved[k]
+            solved[i] /= root[i, i]
+            moved = max(moved, abs(solved[i] - beta[i]) / widths[i])
+        beta[:] = solved
+        if moved < CONVERGED:
+            break
+    return weights
 
 
 def lag_one(values: NDArray[np.float64]) -> float:
@@ -290,8 +330,15 @@ def lag_one(values: NDArray[np.float64]) -> float:
 
     """
     sums, differences = values[1:] + values[:-1], np.diff(values)
-    both, apart = (float(np.median(np.abs(v - np.median(v)))) ** 2 for v in (sums, differences))
+    both, apart = (_median(np.abs(v - _median(v))) ** 2 for v in (sums, differences))
     return (both - apart) / max(both + apart, 1e-12)
+
+
+def _median(values: NDArray[np.float64]) -> float:
+    """Return the median of finite values, a fifth of the time of `numpy.median` for a record."""
+    high = len(values) // 2
+    low = high - 1 + len(values) % 2
+    return 0.5 * float(np.partition(values, (low, high))[[low, high]].sum())
 
 
 def _slope(values: list[float]) -> Slope:
