@@ -162,10 +162,14 @@ class AveragedEnvelope:
         below = np.zeros(power.shape)
         np.cumsum(0.5 * (power[:, 1:] + power[:, :-1]), axis=1, out=below[:, 1:])
         at = self._edges * shaft_hz / step_hz
-        told = at[1:] <= _REACH * power.shape[1]
+        told = int(np.searchsorted(at[1:], _REACH * power.shape[1], side='right'))
+        at = at[: told + 1]
         left = np.minimum(at.astype(int), power.shape[1] - 2)
-        edges = below[:, left] + (at - left) * (below[:, left + 1] - below[:, left])
-        return np.where(told, np.diff(edges) * step_hz / (STEP * shaft_hz), 0.0)
+        start = below.take(left, axis=1)
+        edges = start + (at - left) * (below.take(left + 1, axis=1) - start)
+        found = np.zeros((len(lines), len(self._edges) - 1))
+        found[:, :told] = np.diff(edges) * step_hz / (STEP * shaft_hz)
+        return found
 
     def join(self, other: AveragedEnvelope) -> None:
         """Add the snapshots of another average."""
