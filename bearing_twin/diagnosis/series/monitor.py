@@ -17,6 +17,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.machine.baseline import SETTLED_DB
 from bearing_twin.diagnosis.machine.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
@@ -313,7 +314,7 @@ class SeriesMonitor:
         if not math.isfinite(time):
             return 'no time; give it in s'
         if self._kept.points and not time > self._kept.points[-1].time:
-            return 'not later than the one before; sort the files, or mend their times'
+            return 'not later than the one before; sort the files, mend times, leave copies out'
         before = self._kept.source
         if self._kept.points and not before.same(Source(unit=unit, sample_rate=sample_rate)):
             return (
@@ -381,10 +382,14 @@ class SeriesMonitor:
         """Return the former baseline that agrees with the newest levels, or None."""
         return self._kept.memory.was_settled_at(self._recent_levels()[:-1])
 
+    def _zone(self, recent: NDArray[np.float64]) -> tuple[float, str]:
+        """Return the velocity, mm/s, that the newest snapshots reach, and its zone."""
+        reached = 10.0 ** (float(recent[-1]) / 20.0)
+        return reached, iso_zone(reached, self._settings.power_group, self._settings.mounting)
+
     def _zone_level(self, recent: NDArray[np.float64], severity: Severity) -> str:
         """Return the level that the velocity of the newest snapshots requires."""
-        reached = 10.0 ** (float(recent[-1]) / 20.0)
-        zone = iso_zone(reached, self._settings.power_group, self._settings.mounting)
+        reached, zone = self._zone(recent)
         return by_zone(replace(severity, velocity_rms=reached, iso_zone=zone))[0]
 
     def _recent_levels(self) -> NDArray[np.float64]:
@@ -523,7 +528,7 @@ class SeriesMonitor:
             reasons.append(f'{self._kept.held} held: {WHY[doubt]}')
         if place and place == self._kept.place != self._kept.answers.place:
             reasons.append(f'{self._kept.held} held: earlier snapshots say {place}')
-        base = self._kept.memory.base
+        base, alarmed = self._kept.memory.base, self._kept.held in ('suspect', 'fault')
         if base is None and not self._teaches:
             reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')
         elif base is None:
@@ -540,25 +545,32 @@ class SeriesMonitor:
             )
         if self.lost:
             reasons.append(f'not known: the last {self._kept.unjudged} snapshots were not judged')
+        elif self._kept.unjudged >= CONFIRMING:
+            count = self._kept.unjudged
+            reasons.append(f'the last {count} snapshots were not judged: what follows is older')
         if self._kept.points:
-            last = self._kept.points[-1]
+            last, recent = self._kept.points[-1], self._recent_levels()
             if base is not None:
+                rise = recent[:-1] - np.array(base.levels)
                 measure = _measured(last.measure, self._kept.source.sample_rate)
                 reasons.append(f'{measure}: {signed(last.over_baseline)} dB over the baseline')
-                if (
-                    self._kept.held in ('suspect', 'fault')
-                    and (usual := self._usual()) is not None
-                ):
+                if alarmed and (usual := self._usual()) is not None:
                     begin, end = (_long(last.time - time) for time in usual.times)
                     reasons.append(
                         f'as loud as from {begin} to {end} ago, when it was settled too: '
                         'another load, or is it not run in?'
                     )
-            if last.iso_zone in ('C', 'D'):
-                reasons.append(f'zone {last.iso_zone} of ISO 20816-3')
+                elif alarmed and rise.min() >= SUSPECT_DB and np.ptp(rise) <= SETTLED_DB:
+                    # No damage raises what a gear, the shaft and a bearing make by as much.
+                    reasons.append('all measures rose alike: was the gain or the sensor changed?')
+            if (zone := self._zone(recent)[1]) in ('C', 'D'):
+                reasons.append(f'zone {zone} of ISO 20816-3')
+            elif last.iso_zone in ('C', 'D'):
+                reasons.append(f'zone {last.iso_zone} of ISO 20816-3 in the last snapshot')
         if math.isfinite(change):
             since = _long(self._kept.points[-1].time - change)
-            reasons.append(f'the level began to rise {since} ago')
+            rise = 'the level' if alarmed else 'the last alarm has ended; its level'
+            reasons.append(f'{rise} began to rise {since} ago')
         if self._kept.rise.found:
             reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
         if math.isfinite(warmer):
@@ -566,7 +578,7 @@ class SeriesMonitor:
             reasons.append(f'{signed(warmer, 0)} K against the baseline')
         if comb is not None:
             reasons.append(str(comb))
-        elif not place and self._kept.held in ('suspect', 'fault') and self._bearing is not None:
+        elif not place and alarmed and self._bearing is not None:
             few = self._loud.count < LEAST_AVERAGED
             why = f'{self._loud.count} snapshots since the alarm, {LEAST_AVERAGED} are needed'
             none = 'no comb stands out of the averaged envelope'

@@ -426,6 +426,53 @@ def test_a_machine_without_a_baseline_says_what_has_not_settled(level, kelvin, w
     assert monitor.report().level == 'fault'
 
 
+def rig(rng, gain=1.0, struck=0.0, blow=0.0):
+    """Return a second of shaft, gear and noise, impacts at 4 kHz and a blow at 20 Hz, m/s^2."""
+    t = np.arange(round(RATE)) / RATE
+    x = rng.standard_normal(len(t)) + 0.5 * np.sin(2 * np.pi * SHAFT_HZ * t)
+    x += np.sin(2 * np.pi * 31 * SHAFT_HZ * t + rng.uniform(0, 6))
+    hits = np.zeros(len(t))
+    hits[:: round(RATE / 97)] = struck
+    x += np.convolve(hits, np.exp(-t[:200] * 1500) * np.sin(8000 * np.pi * t[:200]))[: len(t)]
+    return gain * x + blow * np.sin(40 * np.pi * t)
+
+
+@pytest.mark.parametrize(
+    ('later', 'level', 'said'),
+    [
+        ({'gain': 10.0}, 'fault', 'all measures rose alike: was the gain or the sensor changed?'),
+        ({'struck': 60.0}, 'fault', ''),
+        ({'blow': 9.0}, 'fault', 'zone D of ISO 20816-3'),
+    ],
+)
+def test_reasons_tell_a_gain_a_fault_and_a_zone_apart(rng, later, level, said):
+    settings = DiagnosisSettings(baseline_windows=20, power_group=2, mounting='rigid')
+    monitor = SeriesMonitor(None, settings)
+    for number in range(45):
+        kwargs = later if number >= 30 or (number == 25 and 'blow' in later) else {}
+        x = rig(rng, **kwargs)
+        monitor.add(600.0 * number, x, RATE, SHAFT_HZ, unit='m/s^2')
+        if number == 25 and kwargs:
+            alone = 'zone D of ISO 20816-3 in the last snapshot'
+            assert monitor.report().level == 'ok' and alone in monitor.report().reasons
+    report = monitor.report()
+    hints = ('all measures rose alike: was the gain or the sensor changed?',)
+    assert report.level == level and (not said or said in report.reasons)
+    assert (hints[0] in report.reasons) == (said in hints)
+    # Its end: the alarm is over, and what is said of it is no longer of now.
+    for number in range(45, 70):
+        monitor.add(600.0 * number, rig(rng), RATE, SHAFT_HZ, unit='m/s^2')
+    report = monitor.report()
+    assert report.level == 'ok' and not set(report.reasons) & {said, *hints}
+    ended = [text for text in report.reasons if 'began to rise' in text]
+    assert all(text.startswith('the last alarm has ended; its level') for text in ended)
+    for number in range(70, 76):
+        monitor.add(600.0 * number, np.zeros(COUNT), RATE, SHAFT_HZ, unit='m/s^2')
+    assert 'the last 6 snapshots were not judged: what follows is older' in (
+        monitor.report().reasons
+    )
+
+
 def test_trend_is_the_median_of_the_slopes_between_all_points():
     rng = np.random.default_rng(3)
     times = np.sort(rng.choice(1000, 299)).astype(float)
