@@ -22,7 +22,7 @@ from bearing_twin.diagnosis.machine.dependence import Condition, Law, Z90
 from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.machine.trend import Source
-from bearing_twin.diagnosis.series.alone import answer_alone, Answers, CONFIRMING, WHY
+from bearing_twin.diagnosis.series.alone import answer_alone, CONFIRMING, WHY
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
 from bearing_twin.diagnosis.series.newest import (
@@ -458,11 +458,6 @@ class SeriesMonitor:
     @property
     def _averages(self) -> dict[str, AveragedEnvelope]:
         return {'quiet': self._quiet, 'loud': self._loud, 'recent': self._recent}
-
-    def forget_answers(self) -> None:
-        """Drop the answers of single snapshots, which were about another bearing."""
-        self._kept.answers, self._kept.strong = Answers(), None
-        self._kept.place = self._kept.doubt = ''
 
     def load(self, values: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
         """

@@ -91,13 +91,10 @@ class SeriesDiagnoser:
     def reconfigure(
         self, bearing: Bearing | None = None, settings: DiagnosisSettings | None = None
     ) -> None:
-        """Change geometry or settings; the series goes on."""
-        other = bearing is not None and bearing != self._bearing
+        """Change geometry or settings; the series goes on with snapshots of its own bearing."""
         self._bearing, self._settings = bearing or self._bearing, settings or self._settings
         before, self._monitor = self._monitor, SeriesMonitor(self._bearing, self._settings)
         self._monitor.load(*before.save())
-        if other:
-            self._monitor.forget_answers()
         self._parts.clear()
 
     def take(

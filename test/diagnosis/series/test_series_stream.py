@@ -128,6 +128,19 @@ def test_held_answer_of_a_series_has_the_rule_of_the_snapshots_that_it_stands_on
     assert held.faults == ()
 
 
+def test_a_series_waits_while_another_bearing_is_set():
+    """As the baseline of a stream does; snapshots of the other are judged alone and say so."""
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    assert played(diagnoser, range(30), worn=30)[-1].level == 'ok'
+    diagnoser.reconfigure(find_bearing('6205'))
+    other = played(diagnoser, range(30, 33), worn=30)[-1]
+    assert other.level == 'none' and diagnoser.other_source in other.reasons
+    diagnoser.reconfigure(find_bearing('6307'))
+    said = played(diagnoser, range(33, 38), worn=33)
+    assert [each.level for each in said] == ['ok'] * 3 + ['fault'] * 2
+    assert not diagnoser.other_source
+
+
 def test_series_of_a_continuous_stream_takes_one_snapshot_a_cycle():
     settings = DiagnosisSettings(series_cycle=4.0, series_snapshot=1.0, baseline_windows=10)
     diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
