@@ -548,7 +548,11 @@ class SeriesMonitor:
             if base is not None:
                 rise = recent[:-1] - np.array(base.levels)
                 measure = _measured(last.measure, self._kept.source.sample_rate)
-                reasons.append(f'{measure}: {signed(last.over_baseline)} dB over the baseline')
+                over = f'{measure}: {signed(last.over_baseline)} dB over the baseline'
+                if (limit := self._limit(index := WATCHED.index(last.measure))) > SUSPECT_DB:
+                    scatter = base.scatter[index]
+                    over += f'; it scatters by {scatter:.1f} dB: suspect from {limit:.1f} dB'
+                reasons.append(over)
                 if alarmed and (usual := self._usual()) is not None:
                     begin, end = (_long(last.time - time) for time in usual.times)
                     reasons.append(

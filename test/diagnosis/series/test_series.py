@@ -8,6 +8,7 @@ from functools import cache
 import itertools
 import json
 import math
+import re
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.machine.onset import rise_begins, slope
@@ -471,6 +472,19 @@ def test_reasons_tell_a_gain_a_fault_and_a_zone_apart(rng, later, level, said):
     assert 'the last 6 snapshots were not judged: what follows is older' in (
         monitor.report().reasons
     )
+
+
+def test_a_limit_above_that_of_all_machines_is_told_with_its_reason():
+    """Twice the acceleration is 6 dB, but here it is less than six standard deviations."""
+    rng, monitor = np.random.default_rng(4), SeriesMonitor(None)
+    for number in range(90):
+        height = 10.0 ** ((1.3 * rng.standard_normal() + 8.0 * (number >= 82)) / 20.0)
+        point = monitor.add(600.0 * number, height * rng.standard_normal(COUNT), RATE, SHAFT_HZ)
+    (text,) = [each for each in monitor.report().reasons if 'over the baseline' in each]
+    told = re.fullmatch(r'.*: (.*) dB over .* by (.*) dB: suspect from (.*) dB', text)
+    over, scatter, limit = map(float, told.groups())
+    assert point.level == 'ok' and 6.0 < over < limit
+    assert limit == pytest.approx(6.0 * scatter, abs=0.35)
 
 
 def test_trend_is_the_median_of_the_slopes_between_all_points():
