@@ -30,7 +30,11 @@ if TYPE_CHECKING:
 SETTLED_DB, SETTLED_K = 1.0, 1.5
 """Largest change of level, dB, and temperature, K, over a settled window. While a bearing warms
 up, film and clearance change, and the vibration with them."""
-
+WARM_UP = 1800.0
+"""Time, s, after which a temperature that still creeps is waited for no longer."""
+CREEPING_K = SETTLED_DB / (abs(PER_KELVIN[0]) + Z90 * PER_KELVIN[1])
+"""Largest change of temperature over a settled window then, K: it changes the level of a bearing
+by less than `SETTLED_DB`."""
 
 MOST_SCATTER_DB = 2.0
 """Largest scatter of a baseline, dB. Six times as much are 12 dB: a machine that scatters more
@@ -63,14 +67,14 @@ class Baseline:
 
 
 def settled_baseline(
-    window: Sequence[Sequence[float]], laws: Sequence[Law] = ()
+    window: Sequence[Sequence[float]], laws: Sequence[Law] = (), kelvin: float = SETTLED_K
 ) -> Baseline | None:
     """
     Return the baseline of a window; None if level or temperature have not settled.
 
     Each row holds time in s, temperature in degC, log2 of the speed in Hz and the levels in dB.
     With the law of each measure, levels are compared at one temperature, and the temperature may
-    move within the range in which its effect is known.
+    move within the range in which its effect is known. Elsewhere it may move by ``kelvin``.
 
     Examples
     --------
@@ -81,7 +85,7 @@ def settled_baseline(
     True
 
     """
-    if why_unsettled(window, laws):
+    if why_unsettled(window, laws, kelvin):
         return None
     table = np.array(window, dtype=np.float64)
     levels, known = _at_one_temperature(table, laws)
@@ -94,7 +98,9 @@ def settled_baseline(
     )
 
 
-def why_unsettled(window: Sequence[Sequence[float]], laws: Sequence[Law] = ()) -> str:
+def why_unsettled(
+    window: Sequence[Sequence[float]], laws: Sequence[Law] = (), kelvin: float = SETTLED_K
+) -> str:
     """
     Return what of a window, as of :func:`settled_baseline`, has not settled; '' if all has.
 
@@ -109,7 +115,7 @@ def why_unsettled(window: Sequence[Sequence[float]], laws: Sequence[Law] = ()) -
     # The level of the whole signal is what settles: its law is the first.
     if laws and (whole := laws[0].temperature).known:
         known = known - np.clip(known, whole.low, whole.high)
-    if len(known) > len(table) // 2 and (moves := _drift(known)) > SETTLED_K:
+    if len(known) > len(table) // 2 and (moves := _drift(known)) > kelvin:
         return f'the temperature moves by {moves:.1f} K'
     if (scatter := float(_scatter(table)[0])) > MOST_SCATTER_DB:
         return f'the level scatters by {scatter:.1f} dB'
@@ -156,6 +162,9 @@ class Memory:
     """
     Levels of one machine so far, and its baseline. Its fields can be saved.
 
+    A first baseline waits until level and temperature have settled. A temperature may creep or
+    swing for as long as the machine runs, so after half an hour it may move more.
+
     A machine that gets worse during learning may settle, too. So the lowest median of a quarter of
     a window is kept for each speed. Levels that settle far above it make no baseline. Before there
     is a baseline, the level that four fifths of the last quarter reach is compared with it.
@@ -178,6 +187,8 @@ class Memory:
     medians: dict[str, list[list[float]]] = field(default_factory=dict)
     """Lowest median level of the whole signal, dB, and the level that four fifths of the newest
     reach, each with its median temperature, for each speed."""
+    began: float = math.nan
+    """Time of the first level, s."""
     base: Baseline | None = None
     former: list[Baseline] = field(default_factory=list)
     """Louder baselines that were replaced: of another load, or before the machine ran in."""
@@ -203,6 +214,8 @@ class Memory:
         A baseline needs ``wanted`` levels less than ``most`` dB above the lowest so far. They must
         be at one speed unless the dependence on speed is known.
         """
+        if math.isnan(self.began):
+            self.began = time
         speed, laws = self._speed(now), self.laws(len(levels))
         if speed.startswith(_ANY):
             at = now._replace(octaves=float(speed.removeprefix(_ANY)))
@@ -221,9 +234,9 @@ class Memory:
         if len(window) < wanted:
             return False
         new, base = settled_baseline(window), self.base
-        if not (new or base) and laws[0].temperature.known:
-            # A first baseline need not wait for a temperature that swings.
-            new = settled_baseline(window, laws)
+        if not (new or base):
+            # A first baseline need not wait for a temperature that swings or creeps.
+            new = settled_baseline(window, *self._allowed(laws, time))
         if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= most:
             return False
         if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):
@@ -251,6 +264,7 @@ class Memory:
 
     def forget_before(self, time: float) -> None:
         """Drop levels before a time, s, that are in no baseline yet."""
+        self.began = time
         for window in self.windows.values():
             window[:] = [row for row in window if row[0] >= time]
 
@@ -258,12 +272,17 @@ class Memory:
         """Return why the largest window of levels at one speed is no baseline, in words."""
         speed, window = max(self.windows.items(), key=lambda each: len(each[1]))
         laws = self.laws(len(window[0]) - 3)
-        why = why_unsettled(window, laws if laws[0].temperature.known else ())
+        why = why_unsettled(window, *self._allowed(laws, window[-1][0]))
         if why:
             return why
         table = np.array(window)
         over = self._over_lowest(speed, *np.median(table[:, (3, 1)], axis=0).tolist())
         return f'the level has settled {over:.1f} dB above the lowest so far'
+
+    def _allowed(self, laws: list[Law], time: float) -> tuple[list[Law], float]:
+        """Return the laws that may correct a first baseline, and the most its heat may move, K."""
+        kelvin = CREEPING_K if time - self.began >= WARM_UP else SETTLED_K
+        return laws if laws[0].temperature.known else [], kelvin
 
     def most_at_one_speed(self) -> tuple[int, float]:
         """Return the largest number of levels kept at one speed, and that speed, Hz."""

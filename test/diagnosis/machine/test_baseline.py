@@ -24,3 +24,16 @@ def test_a_quarter_of_disturbed_levels_is_no_rise_before_there_is_a_baseline(
             risen |= memory.over([level, 0.0, 0.0], now)[0] >= 12.0
         alarms += risen
     assert least <= alarms / 200 <= most
+
+
+@pytest.mark.parametrize(
+    ('cycle', 'kelvin', 'settled'),
+    [(10.0, 0.05, True), (10.0, 0.5, False), (1.0, 0.05, False), (3600.0, 0.05, True)],
+)
+def test_a_temperature_that_creeps_is_waited_for_half_an_hour(cycle, kelvin, settled):
+    """Levels of a machine that warms up by some kelvin from one to the next, at a steady level."""
+    rng, memory = np.random.default_rng(0), Memory()
+    for number in range(300):
+        now = Condition.at(60.0 + kelvin * number, 25.0)
+        memory.learn(cycle * number, [0.3 * rng.standard_normal(), 0.0, 0.0], now, 60, 6.0)
+    assert (memory.base is not None) == settled
