@@ -568,8 +568,8 @@ class SeriesMonitor:
                 reasons.append(f'zone {last.iso_zone} of ISO 20816-3 in the last snapshot')
         if math.isfinite(change):
             since = _long(self._kept.points[-1].time - change)
-            rise = 'the level' if alarmed else 'the last alarm has ended; its level'
-            reasons.append(f'{rise} began to rise {since} ago')
+            which = 'the level' if alarmed else 'the last alarm has ended; its level'
+            reasons.append(f'{which} began to rise {since} ago')
         if self._kept.rise.found:
             reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
         if math.isfinite(warmer):
