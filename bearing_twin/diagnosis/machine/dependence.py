@@ -280,14 +280,13 @@ def _weighed(
     """
     Move ``beta`` to Huber's estimate by modified weights, and return the weights, shape (rows,).
 
-    See Huber and Ronchetti, 2009, section 7.8. The priors in ``whole`` make the normal equations
-    positive definite, so that Cholesky's decomposition solves them.
+    See Huber and Ronchetti, 2009, section 7.8.
     """
     rows, size = whole.shape
     weights = np.empty(rows)
-    root, solved = np.empty((size, size)), np.empty(size)
+    normal, right = np.empty((size, size)), np.empty(size)
     for _ in range(MOST_WEIGHINGS):
-        root[:], solved[:] = 0.0, 0.0
+        normal[:], right[:] = 0.0, 0.0
         for n in range(rows):
             left = -target[n]
             for i in range(size):
@@ -295,24 +294,11 @@ def _weighed(
             weights[n] = min(1.0, HUBER / max(abs(left), 1e-12))
             for i in range(size):
                 weighted = weights[n] * whole[n, i]
-                solved[i] += weighted * target[n]
-                for k in range(i + 1):
-                    root[i, k] += weighted * whole[n, k]
-        for i in range(size):
-            for k in range(i + 1):
-                rest = root[i, k]
-                for m in range(k):
-                    rest -= root[i, m] * root[k, m]
-                root[i, k] = math.sqrt(rest) if i == k else rest / root[k, k]
-            for k in range(i):
-                solved[i] -= root[i, k] * solved[k]
-            solved[i] /= root[i, i]
-        moved = 0.0
-        for i in range(size - 1, -1, -1):
-            for k in range(i + 1, size):
-                solved[i] -= root[k, i] * solved[k]
-            solved[i] /= root[i, i]
-            moved = max(moved, abs(solved[i] - beta[i]) / widths[i])
+                right[i] += weighted * target[n]
+                for k in range(size):
+                    normal[i, k] += weighted * whole[n, k]
+        solved = np.linalg.solve(normal, right)
+        moved = np.abs((solved - beta) / widths).max()
         beta[:] = solved
         if moved < CONVERGED:
             break
