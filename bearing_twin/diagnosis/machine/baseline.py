@@ -85,31 +85,28 @@ def settled_baseline(
     True
 
     """
-    if why_unsettled(window, laws, kelvin):
-        return None
-    table = np.array(window, dtype=np.float64)
-    levels, known = _at_one_temperature(table, laws)
-    return Baseline(
-        levels=np.median(levels, axis=0).tolist(),
-        scatter=_scatter(table).tolist(),
-        temperature=float(np.median(known)) if len(known) else math.nan,
-        octaves=float(np.median(table[:, 2])),
-        times=table[[0, -1], 0].tolist(),
-    )
+    found = _baseline_or_why(window, laws, kelvin)
+    return None if isinstance(found, str) else found
 
 
-def why_unsettled(
-    window: Sequence[Sequence[float]], laws: Sequence[Law] = (), kelvin: float = SETTLED_K
-) -> str:
+def _baseline_or_why(
+    window: Sequence[Sequence[float]], laws: Sequence[Law], kelvin: float
+) -> Baseline | str:
     """
-    Return what of a window, as of :func:`settled_baseline`, has not settled; '' if all has.
+    Return the baseline of a window, or in words what of it has not settled.
 
-    >>> why_unsettled([[t, 60.0, 4.6, 0.1 * t] for t in range(20)])
+    Arguments as in :func:`settled_baseline`.
+
+    >>> _baseline_or_why([[t, 60.0, 4.6, 0.1 * t] for t in range(20)], (), SETTLED_K)
     'the level moves by 2.0 dB'
 
     """
     table = np.array(window, dtype=np.float64)
-    levels, known = _at_one_temperature(table, laws)
+    heat, measured = table[:, 1], table[:, 3:]
+    levels, known = measured.copy(), heat[np.isfinite(heat)]
+    middle_heat = float(np.median(known)) if len(known) else math.nan
+    for column, law in enumerate(laws):
+        levels[:, column] -= [law.temperature.correct(value, middle_heat)[0] for value in heat]
     if (moves := _drift(levels[:, 0])) > SETTLED_DB:
         return f'the level moves by {moves:.1f} dB'
     # The level of the whole signal is what settles: its law is the first.
@@ -117,31 +114,18 @@ def why_unsettled(
         known = known - np.clip(known, whole.low, whole.high)
     if len(known) > len(table) // 2 and (moves := _drift(known)) > kelvin:
         return f'the temperature moves by {moves:.1f} K'
-    if (scatter := float(_scatter(table)[0])) > MOST_SCATTER_DB:
-        return f'the level scatters by {scatter:.1f} dB'
-    return ''
-
-
-def _at_one_temperature(
-    table: NDArray[np.float64], laws: Sequence[Law]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the levels at the median temperature, dB, and the known temperatures, degC."""
-    heat, levels = table[:, 1], table[:, 3:].copy()
-    known = heat[np.isfinite(heat)]
-    middle = float(np.median(known)) if len(known) else math.nan
-    for column, law in enumerate(laws):
-        levels[:, column] -= [law.temperature.correct(value, middle)[0] for value in heat]
-    return levels, known
-
-
-def _scatter(table: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the standard deviation of each measure from the median absolute deviation, dB."""
     # Of the levels as measured: a law can turn out to be of something else, and is given up then.
-    measured = table[:, 3:]
-    scatter: NDArray[np.float64] = 1.4826 * np.median(
-        np.abs(measured - np.median(measured, axis=0)), axis=0
+    apart = np.abs(measured - np.median(measured, axis=0))
+    scatter = 1.4826 * np.median(apart, axis=0)
+    if scatter[0] > MOST_SCATTER_DB:
+        return f'the level scatters by {scatter[0]:.1f} dB'
+    return Baseline(
+        levels=np.median(levels, axis=0).tolist(),
+        scatter=scatter.tolist(),
+        temperature=middle_heat,
+        octaves=float(np.median(table[:, 2])),
+        times=table[[0, -1], 0].tolist(),
     )
-    return scatter
 
 
 def _drift(values: NDArray[np.float64]) -> float:
@@ -234,9 +218,10 @@ class Memory:
         if len(window) < wanted:
             return False
         new, base = settled_baseline(window), self.base
-        if not (new or base):
+        allowed = self._allowed(laws, time)
+        if not (new or base) and allowed != ([], SETTLED_K):
             # A first baseline need not wait for a temperature that swings or creeps.
-            new = settled_baseline(window, *self._allowed(laws, time))
+            new = settled_baseline(window, *allowed)
         if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= most:
             return False
         if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):
@@ -272,11 +257,10 @@ class Memory:
         """Return why the largest window of levels at one speed is no baseline, in words."""
         speed, window = max(self.windows.items(), key=lambda each: len(each[1]))
         laws = self.laws(len(window[0]) - 3)
-        why = why_unsettled(window, *self._allowed(laws, window[-1][0]))
-        if why:
-            return why
-        table = np.array(window)
-        over = self._over_lowest(speed, *np.median(table[:, (3, 1)], axis=0).tolist())
+        found = _baseline_or_why(window, *self._allowed(laws, window[-1][0]))
+        if isinstance(found, str):
+            return found
+        over = self._over_lowest(speed, found.levels[0], found.temperature)
         return f'the level has settled {over:.1f} dB above the lowest so far'
 
     def _allowed(self, laws: list[Law], time: float) -> tuple[list[Law], float]:
