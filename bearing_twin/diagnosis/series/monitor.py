@@ -60,7 +60,6 @@ from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.machine.baseline import Baseline
     from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.series.averaging import Comb
     from numpy.typing import ArrayLike, NDArray
@@ -232,7 +231,7 @@ class SeriesMonitor:
             # A shock counts no more than the smallest rise that is an alarm.
             self._kept.rise.add(min(alone, self._limit(0)), memory.base.scatter[0])
         sure = over - Z90 * float(deviations[measure])
-        by_level = self._wanted(sure, measure, self._zone_level(recent, severity))
+        by_level = self._wanted(sure, measure, recent, self._zone_level(recent, severity))
         # Healthy snapshots alone do not make the level known: this takes a baseline.
         said = self._kept.answers.level
         said = said if memory.base or said != 'ok' else 'none'
@@ -358,7 +357,9 @@ class SeriesMonitor:
         most = int(np.argmax([value / self._limit(n) for n, value in enumerate(over)]))
         return over[most], most
 
-    def _wanted(self, over: float, measure: int, zone_level: str) -> str:
+    def _wanted(
+        self, over: float, measure: int, recent: NDArray[np.float64], zone_level: str
+    ) -> str:
         """Return the level that the vibration of the newest snapshots requires."""
         if len(self._levels) < CONFIRMING:
             return self._kept.held
@@ -373,14 +374,10 @@ class SeriesMonitor:
             standing &= math.isfinite(self._kept.risen)
             if over >= threshold - FALL_DB * standing:
                 wanted = level
-        if wanted == 'fault' and self._usual() is not None:
+        if wanted == 'fault' and self._kept.memory.was_settled_at(recent[:-1]) is not None:
             wanted = 'suspect'
         by_rise = 'suspect' if self._kept.rise.found else 'ok'
         return max(wanted, zone_level, by_rise, key=LEVELS.index)
-
-    def _usual(self) -> Baseline | None:
-        """Return the former baseline that agrees with the newest levels, or None."""
-        return self._kept.memory.was_settled_at(self._recent_levels()[:-1])
 
     def _zone(self, recent: NDArray[np.float64]) -> tuple[float, str]:
         """Return the velocity, mm/s, that the newest snapshots reach, and its zone."""
@@ -553,7 +550,8 @@ class SeriesMonitor:
                     scatter = base.scatter[index]
                     over += f'; it scatters by {scatter:.1f} dB: suspect from {limit:.1f} dB'
                 reasons.append(over)
-                if alarmed and (usual := self._usual()) is not None:
+                usual = self._kept.memory.was_settled_at(recent[:-1])
+                if alarmed and usual is not None:
                     begin, end = (_long(last.time - time) for time in usual.times)
                     reasons.append(
                         f'as loud as from {begin} to {end} ago, when it was settled too: '
