@@ -175,8 +175,9 @@ class Answers:
         agree = self._agreeing()
         counts = Counter(each.level for each in agree)
         # Worse answers are too few for the level, but each of them is a finding.
-        said, *worse = [f'{counts[each]} {each}' for each in LEVELS if counts[each]]
-        text = f'{said.replace(" ", f" {of} say ")}{"".join(f", {each}" for each in worse)}'
+        least, *worse = [each for each in LEVELS if counts[each]]
+        text = f'{counts[least]} {of} say {least}'
+        text += ''.join(f', {counts[each]} {each}' for each in worse)
         # There is nothing to tell of an ok answer.
         told = level if counts[level] and level != 'ok' else max(counts, key=LEVELS.index)
         if told == 'ok':

@@ -262,9 +262,9 @@ def _held(alone: Diagnosis, report: SeriesReport) -> Diagnosis:
         holds = 'level not known yet' if level == 'none' else f'{level} held'
         text = f'series: {holds}; this snapshot alone says {alone.result}, {alone.level}'
         reasons = (*reasons, text)
-    faults = alone.faults if report.doubt in ('', alone.rule) else ()
-    if report.place or level not in ('suspect', 'fault'):
-        faults = (report.place,) if report.place else ()
+    faults: tuple[str, ...] = (report.place,) if report.place else ()
+    if not faults and level in ('suspect', 'fault') and report.doubt in ('', alone.rule):
+        faults = alone.faults
     # The rule of this snapshot is not that of the series' answer.
     return replace(
         alone, result=result, level=level, rule=report.doubt, kind='',
