@@ -96,7 +96,7 @@ def weak_cage(e: Evidence) -> Verdict | None:
 
 
 def _coincide(e: Evidence) -> str:
-    """Return what is said of a comb that ball and cage can make."""
+    """Return the sentence about a comb that a ball or the cage may have made."""
     first, _ = e.ball_or_cage
     # Within a factor 2 in power neither is likelier.
     clear = not 1.0 / RIVAL**2 <= e.cage_high_harmonics / RIPPLE <= RIVAL**2

@@ -122,6 +122,7 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     motions = _motions(p, preloaded=False)
     fastest = max(mode for mode, _, _ in motions[:2])
     if p.thermal_mode == 'physical':
+        # In the paper's mode both are the same.
         motions = _motions(p, preloaded=True)
     if fastest / (sample_rate * least) <= _GOOD_STEP:
         with contextlib.suppress(BearingTwinError):

@@ -460,7 +460,7 @@ def test_reasons_tell_a_gain_a_fault_and_a_zone_apart(rng, later, level, said):
     hints = ('all measures rose alike: was the gain or the sensor changed?',)
     assert report.level == level and (not said or said in report.reasons)
     assert (hints[0] in report.reasons) == (said in hints)
-    # Its end: the alarm is over, and what is said of it is no longer of now.
+    # After the end of the alarm the report speaks of it as past.
     for number in range(45, 70):
         monitor.add(600.0 * number, rig(rng), RATE, SHAFT_HZ, unit='m/s^2')
     report = monitor.report()
