@@ -21,7 +21,7 @@ export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
 # Hundreds of processes import the same modules. Containers often have Python compile them in each.
 export PYTHONDONTWRITEBYTECODE :=
 PUBLISHED := test/test_wheels.py test/test_docs.py test/test_dockerfile.py
-# Types are checked while the kernels compile; with `make test release` that is tested then, too.
+# The kernels compile beside the set-up, the linters and, with `make test release`, its tests.
 MAKEFLAGS += --jobs=2
 
 .PHONY: demo test test-jazzy lint setup soak fuzz screenshots release wheels docs identity clean
@@ -83,12 +83,18 @@ identity:
 screenshots: setup
 	$(BIN)/python docs/screenshots.py
 
-setup: $(VENV)/kernels.stamp
+setup: $(VENV)/kernels.stamp $(VENV)/package.stamp
 
-$(VENV)/tools.stamp: requirements.txt requirements-dev.txt constraints.txt
+# All that the kernels import: they compile while the rest is installed and the messages are built.
+$(VENV)/numba.stamp: requirements.txt constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "Python 3.10 or newer is needed")'
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) install --upgrade 'pip>=24'
+	grep -E '^(numba|numpy|scipy)=' requirements.txt > $(VENV)/numba.txt
+	$(INSTALL) -r $(VENV)/numba.txt -c constraints.txt
+	touch $@
+
+$(VENV)/tools.stamp: $(VENV)/numba.stamp requirements-dev.txt
 	$(INSTALL) -r requirements-dev.txt -c constraints.txt
 	touch $@
 
@@ -107,8 +113,8 @@ $(VENV)/package.stamp: $(VENV)/messages.stamp setup.py setup.cfg package.xml $(w
 	touch $@
 
 # Minutes of one core, which the first start of a twin would take otherwise.
-$(VENV)/kernels.stamp: $(VENV)/package.stamp $(wildcard $(patsubst %,bearing_twin/%/*.py,numerics bearing thermal dynamics dynamics/* diagnosis diagnosis/*))
-	$(BIN)/bearing-twin compile
+$(VENV)/kernels.stamp: $(VENV)/numba.stamp $(wildcard $(patsubst %,bearing_twin/%/*.py,numerics bearing thermal dynamics dynamics/* diagnosis diagnosis/*))
+	$(BIN)/python -m bearing_twin compile
 	touch $@
 
 clean:
