@@ -3,6 +3,7 @@
 #
 #   make demo    set up what is missing, then run the main job
 #   make test    set up what is missing, then linters, type checks and the tests
+#   make proofs  the figures and the long lives of which make test has a part, in full
 #   make test-jazzy  test the nodes and the recordings on ROS 2 Jazzy, in a venv of its own
 #   make release  test that wheels install, docs build without a warning, the Dockerfile is sound
 #   make wheels  build the wheels of both packages into dist/
@@ -24,7 +25,7 @@ PUBLISHED := test/test_wheels.py test/test_docs.py test/test_dockerfile.py
 # The kernels compile beside the set-up, the linters and, with `make test release`, its tests.
 MAKEFLAGS += --jobs=2
 
-.PHONY: demo test test-jazzy lint setup soak fuzz screenshots release wheels docs identity clean
+.PHONY: demo test test-jazzy lint setup proofs soak fuzz screenshots release wheels docs identity clean
 
 demo: setup
 	$(BIN)/bearing-twin demo
@@ -56,6 +57,10 @@ $(JAZZY)/stamp: requirements.txt requirements-dev.txt requirements-jazzy.txt $(w
 
 test-jazzy: $(JAZZY)/stamp
 	AMENT_PREFIX_PATH=$(CURDIR)/$(JAZZY) $(JAZZY)/bin/python -m pytest test/nodes test/recording test/test_messages.py
+
+# What `make test` shows on a part, in full.
+proofs: setup
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m proof
 
 soak: setup
 	$(BIN)/python -m pytest -s -m soak

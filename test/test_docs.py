@@ -10,13 +10,10 @@ import pytest
 
 DOCS = Path(__file__).resolve().parents[1] / 'docs'
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(
-        not (importlib.util.find_spec('sphinx') and importlib.util.find_spec('myst_parser')),
-        reason="Sphinx is not installed ('make release' does)",
-    ),
-]
+pytestmark = pytest.mark.skipif(
+    not (importlib.util.find_spec('sphinx') and importlib.util.find_spec('myst_parser')),
+    reason="Sphinx is not installed ('make release' does)",
+)
 
 
 def test_every_page_and_the_api_are_built_without_a_warning(tmp_path):

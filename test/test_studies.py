@@ -52,7 +52,6 @@ def test_false_alarms_of_a_disturbed_series_are_those_of_the_chain_of_runs():
     assert disturbed_series.alarmed(rng.random((2000, 1065)) < 0.35) < 0.035
 
 
-@pytest.mark.slow
 def test_detection_power_writes_the_file_that_is_named(tmp_path, monkeypatch, capsys):
     for name in ('SPEEDS', 'TEMPERATURES', 'NOISES', 'WIDTHS', 'SEEDS'):
         monkeypatch.setattr(detection_power, name, getattr(detection_power, name)[-1:])

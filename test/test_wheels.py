@@ -17,7 +17,6 @@ ROOT = Path(__file__).resolve().parents[1]
 LEFT_OUT = ('.*', 'build', 'install', 'log', '*.egg-info', 'runs', '__pycache__')
 
 pytestmark = [
-    pytest.mark.slow,
     pytest.mark.skipif(
         not any(importlib.metadata.distributions(name='build')),
         reason="build is not installed ('make release' does)",
