@@ -65,14 +65,15 @@ SPACE = Space()
 @dataclass(frozen=True, kw_only=True)
 class Grid:
     """
-    How the amplitude follows beta0 in `SPACE`.
+    How the amplitude follows beta0 in a space of settings.
 
     All temperature trends of the model are one statement: A falls with beta0. Expansion and
     hardness test it with changes of beta0 by 1 %, friction and all factors by 12 %.
     """
 
+    space: Space
     small: FloatArray
-    """d ln(amplitude) / d ln(beta0) for the change through expansion, shape `Space.shape`."""
+    """d ln(amplitude) / d ln(beta0) for the change through expansion, shape ``space.shape``."""
     large: FloatArray
     """The same for the change through friction."""
 

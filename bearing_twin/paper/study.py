@@ -14,12 +14,12 @@ from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics.trend import impact_amplitude
 from bearing_twin.paper import measures, settings
 from bearing_twin.paper.runs import in_parallel, RunSpec, simulate
-from bearing_twin.paper.space import Grid, SPACE, STATES
+from bearing_twin.paper.space import Grid, SPACE, Space, STATES
 import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -147,8 +147,25 @@ class Study:
         return float(points[-1].peak_heights.mean() / points[0].peak_heights.mean() - 1.0)
 
 
-def run_study(*, processes: int) -> Study:
-    """Run every simulation, with a progress bar."""
+def run_study(
+    *,
+    processes: int,
+    space: Space = SPACE,
+    temperatures: Sequence[float] = settings.TEMPERATURE_NODES,
+) -> Study:
+    """
+    Run every simulation, with a progress bar.
+
+    Parameters
+    ----------
+    processes
+        Processes that simulate.
+    space
+        Settings in which the generality of the trends is judged.
+    temperatures
+        Temperatures of the frequency shift, degC; 20, 100 and 110 have to be among them.
+
+    """
     nodes = settings.TEMPERATURE_NODES
     names, factors = settings.PRESET_NAMES, settings.FACTORS
     cold, hot = nodes[0], nodes[-1]
@@ -163,7 +180,7 @@ def run_study(*, processes: int) -> Study:
         }),
         'frequencies': (frequency_point, {
             (p, s, t): long(preset=p, factor='all', temperature=t, slip_model=s)
-            for p, s, t in product(names, ('none', 'mu_proportional'), nodes)
+            for p, s, t in product(names, ('none', 'mu_proportional'), temperatures)
         }),
         'faults': (fault_point, {
             place: long(preset='incipient', factor=None, temperature=cold, defect=place)
@@ -203,7 +220,7 @@ def run_study(*, processes: int) -> Study:
             for load, width, depth in settings_of_models
             for t in (cold, hot)
         }),
-        'space': (only_amplitude, dict(enumerate(SPACE.specs()))),
+        'space': (only_amplitude, dict(enumerate(space.specs()))),
     }  # fmt: skip
     jobs = [(work, spec) for work, specs in plan.values() for spec in specs.values()]
     done = iter(in_parallel(_do, jobs, processes=processes))
@@ -214,7 +231,7 @@ def run_study(*, processes: int) -> Study:
         before, after = (float(found[name][each]) for each in ((*key, cold), (*key, hot)))
         return after / before - 1.0
 
-    logs = np.log(np.array(list(found['space'].values())).reshape(*SPACE.shape, len(STATES)))
+    logs = np.log(np.array(list(found['space'].values())).reshape(*space.shape, len(STATES)))
     rise = [math.log(settings.factor_of(factor).at(t)) for factor, t in STATES]
     slopes = (logs[..., 1:] - logs[..., :1]) / np.array(rise[1:])
     return Study(
@@ -235,7 +252,7 @@ def run_study(*, processes: int) -> Study:
             for name in settings.PUBLISHED_MODELS
         },
         small_mu={(p, f): change('small_mu', p, f) for p, f in product(names, factors[:3])},
-        grid=Grid(small=slopes[..., 0], large=slopes[..., 1]),
+        grid=Grid(space=space, small=slopes[..., 0], large=slopes[..., 1]),
     )
 
 

@@ -11,7 +11,7 @@ from bearing_twin.paper import settings
 from bearing_twin.paper.claims.claim import Claim, percents
 from bearing_twin.paper.claims.trend import formula_change, own_ratio, RESOLUTION
 from bearing_twin.paper.claims.verdicts import same_direction, share
-from bearing_twin.paper.space import PATHS, SPACE, STATES
+from bearing_twin.paper.space import PATHS, STATES
 from bearing_twin.paper.study import LITERATURE_DEPTHS, LITERATURE_LOADS, LITERATURE_WIDTHS
 import numpy as np
 
@@ -33,10 +33,10 @@ def general_claims(study: Study) -> list[Claim]:
 
 
 def _formula_verifies(study: Study) -> Claim:
-    shape = SPACE.shape
-    cold = SPACE.specs()[:: len(STATES)]
+    space = study.grid.space
+    cold = space.specs()[:: len(STATES)]
     changes = np.array([formula_change('friction', own_ratio(spec.parameters())) for spec in cold])
-    signs_agree = changes.reshape(shape) * study.grid.large > 0.0
+    signs_agree = changes.reshape(space.shape) * study.grid.large > 0.0
     own = {
         name: own_ratio(preset(name, bearing=settings.BEARING)) for name in settings.PRESET_NAMES
     }
@@ -67,14 +67,14 @@ def _formula_verifies(study: Study) -> Claim:
 
 
 def _general(study: Study) -> Claim:
-    falls = study.grid.falls
+    space, falls = study.grid.space, study.grid.falls
     shares = {
-        PATHS[p]: float(np.mean(part)) for p, part in zip(SPACE.profiles, falls, strict=True)
+        PATHS[p]: float(np.mean(part)) for p, part in zip(space.profiles, falls, strict=True)
     }
-    speeds = {f'{speed:g} Hz': float(np.mean(falls[:, k])) for k, speed in enumerate(SPACE.speeds)}
+    speeds = {f'{speed:g} Hz': float(np.mean(falls[:, k])) for k, speed in enumerate(space.speeds)}
     widths = {
         f'{1e3 * width:g} mm wide': float(np.mean(falls[:, :, :, k]))
-        for k, width in enumerate(SPACE.widths)
+        for k, width in enumerate(space.widths)
     }
     return Claim(
         id='trend-is-general',
@@ -91,9 +91,9 @@ def _general(study: Study) -> Claim:
         verdict=share(float(np.mean(falls))),
         why=(
             'Rule: at least 95 % of a space of two paths over the spall, shaft '
-            f'{_list(SPACE.speeds)} Hz, load {_list(SPACE.loads)} N, spall '
-            f'{_list(SPACE.widths, 1e3)} mm wide and {_list(SPACE.depths, 1e6)} um deep, '
-            f'clearance {_list(SPACE.clearances, 1e6)} um, with the dampings of '
+            f'{_list(space.speeds)} Hz, load {_list(space.loads)} N, spall '
+            f'{_list(space.widths, 1e3)} mm wide and {_list(space.depths, 1e6)} um deep, '
+            f'clearance {_list(space.clearances, 1e6)} um, with the dampings of '
             'the preset `paper`. K_b and C_d share one factor, so all temperature trends of the '
             'model are one statement: A falls with beta0. It does where the ball leaves the races '
             'in the spall and the '

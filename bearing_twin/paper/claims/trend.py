@@ -11,7 +11,7 @@ from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims.claim import Claim, percent, percents
 from bearing_twin.paper.claims.verdicts import same_direction
-from bearing_twin.paper.space import PATHS, SPACE
+from bearing_twin.paper.space import PATHS
 from bearing_twin.paper.study import SMALL_DELTA_MU, STARTS, WINDOW_WIDTH
 import numpy as np
 
@@ -140,11 +140,11 @@ def _by_simulation(study: Study, factor: settings.Factor) -> Claim:
 
 
 def _share_text(study: Study, factor: settings.Factor) -> str:
-    """Share of `SPACE` in which the trend of a factor holds, by path over the spall."""
+    """Share of the space in which the trend of a factor holds, by path over the spall."""
     falls = study.grid.small if factor in ('expansion', 'hardness') else study.grid.large
     return ', '.join(
         f'{100.0 * np.mean(part < 0.0):.0f} % ({PATHS[profile]})'
-        for profile, part in zip(SPACE.profiles, falls, strict=True)
+        for profile, part in zip(study.grid.space.profiles, falls, strict=True)
     )
 
 
