@@ -63,6 +63,7 @@ def test_a_real_slot_is_measured(slot_fit):
     assert again.twin_parameters() == found.twin_parameters()
 
 
+@pytest.mark.proof
 def test_the_lower_bound_holds_where_the_impacts_are_those_of_the_edges():
     """The twin takes the path of a ball off, which a train of impacts does not have."""
     found = fit(impact_train(2e-3, 'inner', 12.0), RATE, BEARING, 12.0, place='inner')

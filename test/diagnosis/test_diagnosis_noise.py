@@ -8,11 +8,12 @@ from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.studies.load_sidebands import expected, measured
 from bearing_twin.studies.noise_windows import draw, main
+from cases import in_proofs
 import numpy as np
 import pytest
 
 
-@pytest.mark.parametrize('first', [0, 60, 120])
+@pytest.mark.parametrize('first', [0, *in_proofs(60, 120)])
 def test_no_alarm_on_noise(first):
     """Some of the windows of the study."""
     for number in range(first, first + 60):
@@ -52,7 +53,7 @@ def test_no_alarm_on_the_healthy_twin(clearance, axis):
     assert said.result == 'healthy'
 
 
-@pytest.mark.parametrize('degrees', [20.0, 60.0, 100.0])
+@pytest.mark.parametrize('degrees', [60.0, *in_proofs(20.0, 100.0)])
 def test_the_sound_twin_of_a_first_run_is_healthy(degrees):
     """The default machine without a defect, at the temperatures of the default schedule."""
     twin = Simulator(preset('paper', defect='none'), seed=0, temperature=degrees)

@@ -10,6 +10,7 @@ from bearing_twin.dynamics.equations import coefficients
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.single.kernel import FAST_HZ
 from bearing_twin.dynamics.single.kinematics import kinks
+from cases import in_proofs
 import numpy as np
 import pytest
 
@@ -52,7 +53,7 @@ def contact(p, values, hz, times, states):
     return delta, (delta > 0.0) & (force > 0.0)
 
 
-@pytest.mark.parametrize('hz', [BELOW, ABOVE])
+@pytest.mark.parametrize('hz', [BELOW, *in_proofs(ABOVE)])
 def test_contact_is_lost_and_found_when_an_adaptive_solver_finds_it(hz):
     """
     Of the balls loaded at a sample, the one nearest to the end or the beginning of its contact.

@@ -14,6 +14,7 @@ from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.life import static_rating
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.network import clearance_limits, ThermalNetwork
+from cases import in_proofs
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -266,7 +267,7 @@ def test_the_paper_s_mode_knows_no_thermal_clearance():
 # --- contact angle and series ------------------------------------------------------------------
 
 
-@pytest.mark.parametrize('places', [('inner', 'outer'), ('ball',)])
+@pytest.mark.parametrize('places', [('inner', 'outer'), *in_proofs((('ball',),))])
 def test_a_contact_angle_agrees_with_the_adaptive_solver(places):
     parameters = build(
         bearing=bearing(contact_angle=math.radians(40.0)),

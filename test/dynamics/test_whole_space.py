@@ -13,9 +13,11 @@ from bearing_twin.thermal.friction import SERIES
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.network import ThermalNetwork
+from cases import in_proofs
 from hypothesis import given, HealthCheck, reject, settings
 from hypothesis import strategies as st
 import numpy as np
+import pytest
 
 MODES = st.sampled_from(['paper', 'physical'])
 
@@ -114,25 +116,7 @@ def least_damping(p):
     )
 
 
-@settings(
-    max_examples=150,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[
-        HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large,
-    ],
-)  # fmt: skip
-@given(
-    data=st.data(),
-    rate=st.sampled_from([2000.0, 12800.0, 25600.0, 51200.0, 204800.0]),
-    temperatures=st.tuples(st.floats(20.0, 110.0), st.floats(20.0, 110.0)),
-    speeds=st.tuples(st.floats(0.0, 500.0), st.floats(0.0, 500.0)),
-    shares=st.lists(st.floats(0.0, 1.0), max_size=4),
-    seed=st.integers(0, 2**32 - 1),
-)
-def test_finite_bounded_and_the_same_bits_however_it_is_cut(
-    data, rate, temperatures, speeds, shares, seed
-):
+def same_however_cut(data, rate, temperatures, speeds, shares, seed):
     bearing = data.draw(bearings())
     fields = data.draw(others)
     try:
@@ -179,3 +163,23 @@ def test_finite_bounded_and_the_same_bits_however_it_is_cut(
     assert len(values['warnings']) == len(values['limits_passed'])
     for value in (value for name, value in values.items() if name != 'warnings'):
         assert not np.isinf(value).any() or value is later.condition.life_hours
+
+
+@pytest.mark.parametrize('examples', [25, *in_proofs(150)])
+def test_finite_bounded_and_the_same_bits_however_it_is_cut(examples):
+    drawn = given(
+        data=st.data(),
+        rate=st.sampled_from([2000.0, 12800.0, 25600.0, 51200.0, 204800.0]),
+        temperatures=st.tuples(st.floats(20.0, 110.0), st.floats(20.0, 110.0)),
+        speeds=st.tuples(st.floats(0.0, 500.0), st.floats(0.0, 500.0)),
+        shares=st.lists(st.floats(0.0, 1.0), max_size=4),
+        seed=st.integers(0, 2**32 - 1),
+    )(same_however_cut)
+    settings(
+        max_examples=examples,
+        deadline=None,
+        derandomize=True,
+        suppress_health_check=[
+            HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large,
+        ],
+    )(drawn)()  # fmt: skip

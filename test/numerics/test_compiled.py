@@ -6,6 +6,7 @@ from pathlib import Path
 import resource
 
 from bearing_twin.numerics.compiled import SHARED
+from cases import in_proofs
 from commands import python
 import pytest
 
@@ -56,7 +57,7 @@ def run(tree, **environment):
     return folder, float(value)
 
 
-@pytest.mark.parametrize('where', ['named', 'beside the sources', 'at home'])
+@pytest.mark.parametrize('where', ['beside the sources', *in_proofs('named', 'at home')])
 def test_a_change_in_a_called_file_is_seen_wherever_the_cache_lies(tree, tmp_path, where):
     cache, environment = tree / PACKAGE / '__pycache__', {}
     if where == 'named':
@@ -122,7 +123,7 @@ def outer(x): return inner(x) + SLIP
     assert found == {'HARMONICS', 'Z_FAULT'}
 
 
-@pytest.mark.parametrize('variable', ['NUMBA_CACHE_DIR', 'XDG_CACHE_HOME'])
+@pytest.mark.parametrize('variable', ['NUMBA_CACHE_DIR', *in_proofs('XDG_CACHE_HOME')])
 def test_where_no_cache_can_be_written_it_runs_all_the_same(tree, variable):
     (tree / PACKAGE / '__pycache__').touch()
     assert run(tree, **{variable: '/dev/null/cache'}) == ('None', 2.0)
@@ -177,10 +178,11 @@ def test_a_killed_process_of_compile_is_an_error():
     )
 
 
-def test_a_damaged_cache_is_made_anew(tree, tmp_path):
+@pytest.mark.parametrize('damages', [('cut', 'a folder'), *in_proofs((('empty', 'other bytes'),))])
+def test_a_damaged_cache_is_made_anew(tree, tmp_path, damages):
     cache = tmp_path / 'cache'
     folder, _ = run(tree, NUMBA_CACHE_DIR=cache)
-    for damage in ('empty', 'cut', 'other bytes', 'a folder'):
+    for damage in damages:
         seen = {file: file.read_bytes() for file in Path(folder).rglob('*.nb?')}
         assert len(seen) == 4
         for file, whole in seen.items():

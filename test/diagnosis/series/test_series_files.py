@@ -10,6 +10,7 @@ from bearing_twin.diagnosis.machine.level import SUSPECT_DB
 from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.snapshots import read_snapshots
+from cases import in_proofs
 from commands import json_lines
 from coupling import coupling_snapshot, GIVEN_HZ
 import numpy as np
@@ -18,11 +19,11 @@ from scipy.io import wavfile
 
 RATE = 25600.0
 COUNT = 1280
-RUNS = ('Bearing1_1_H', 'Bearing1_2_H', 'Bearing1_2_V', 'Bearing2_1_H', 'Bearing2_5_H',
-        'Bearing3_1_H', 'Bearing3_1_V')  # fmt: skip
+OTHERS = ('Bearing1_1_H', 'Bearing1_2_H', 'Bearing1_2_V', 'Bearing2_5_H', 'Bearing3_1_V')
 
 
-@pytest.mark.parametrize('run', RUNS)
+# The shortest life, and the one whose level rises latest: for the last 16 of 911 snapshots.
+@pytest.mark.parametrize('run', ['Bearing3_1_H', 'Bearing2_1_H', *in_proofs(*OTHERS)])
 def test_femto_runs_to_failure(data_dir, capsys, run):
     folder = data_dir / 'femto'
     files = [folder / f'femto_{run}.npz', folder / f'femto_{run[:-1]}trend.npz']
