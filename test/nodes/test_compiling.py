@@ -8,12 +8,13 @@ import subprocess
 import sys
 
 from bearing_twin.ros.processes.launching import COMPILING, NodeProcesses
+from cases import in_proofs
 import pytest
 
 pytestmark = pytest.mark.ros
 
 
-@pytest.mark.parametrize('node', ['twin', 'fleet'])
+@pytest.mark.parametrize('node', ['fleet', *in_proofs('twin')])
 def test_first_start(node, ros_domain, probe, tmp_path):
     environment = {**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path / 'empty')}
     given = {'names': ['pump']} if node == 'fleet' else {}

@@ -27,6 +27,7 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
 from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
+from cases import in_proofs
 from copies import raw_recording
 from mcap.reader import make_reader
 from mcap.records import Channel
@@ -130,7 +131,10 @@ def kept_of(content: bytes, folder: Path) -> tuple[int, RecoveryReport]:
 
 @pytest.mark.parametrize('finished', [True, False])
 @pytest.mark.parametrize('compression', ['zstd', 'lz4', 'none'])
-def test_one_flipped_bit_costs_one_chunk(tmp_path: Path, finished: bool, compression: str) -> None:
+@pytest.mark.parametrize('step', [5, *in_proofs(1)])
+def test_one_flipped_bit_costs_one_chunk(
+    tmp_path: Path, finished: bool, compression: str, step: int
+) -> None:
     path = tmp_path / 'run.mcap'
     write_blocks(path, 60, WriterOptions(compression=compression))
     content = path.read_bytes()
@@ -141,9 +145,9 @@ def test_one_flipped_bit_costs_one_chunk(tmp_path: Path, finished: bool, compres
     if not finished:
         content = content[: last + 10]
     rng = random.Random(9)
-    # Up to the head of the first chunk byte for byte, then anywhere in it and anywhere at all.
+    # In steps up to the head of the first chunk, then anywhere in it and anywhere at all.
     # Compressed or not, the file is the same up to there.
-    places = [*range(begin + 60)] if compression == 'zstd' else []
+    places = [*range(0, begin + 60, step)] if compression == 'zstd' else []
     places += [rng.randrange(begin, end) for _ in range(10)]
     places += [rng.randrange(last) for _ in range(20)]
     for at in places:

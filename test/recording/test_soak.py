@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.schedule import write_temperature_recording
+from cases import in_proofs
 from commands import resident
 import numpy as np
 import pytest
@@ -21,9 +22,9 @@ MOST_GROWTH = 20_000_000
 """Memory that the second half of a run may take beyond the first, bytes."""
 
 
-def test_two_minutes_offline(tmp_path: Path) -> None:
+@pytest.mark.parametrize('seconds', [30.0, *in_proofs(120.0)])
+def test_minutes_offline(seconds: float, tmp_path: Path) -> None:
     source, target = tmp_path / 'inputs.mcap', tmp_path / 'run'
-    seconds = 120.0
     times = np.arange(0.0, seconds + 1.0, 1.0)
     swing = 60.0 - 40.0 * np.cos(2.0 * np.pi * times / seconds)
     write_temperature_recording(source, times, swing, source='soak')

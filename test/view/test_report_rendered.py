@@ -12,6 +12,7 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.view.report.page import report_page
 from bearing_twin.view.report.pdf import browse, BROWSERS, pdf_of
+from cases import in_proofs
 from copies import put
 import pytest
 
@@ -50,7 +51,7 @@ document.getElementById('page').onload = (event) => {
 """
 
 
-@pytest.fixture(scope='module', params=['inner', 'none'])
+@pytest.fixture(scope='module', params=['inner', *in_proofs('none')])
 def recording(request, scheduled):
     """Return a recording with a defect, and one without."""
     return scheduled(defect=request.param)
@@ -92,8 +93,11 @@ def sheets(pdf):
     return len(re.findall(rb'/Type\s*/Page\b', pdf))
 
 
-def test_a_fleet_prints_all_machines_on_a_sheet_and_the_two_most_urgent(scheduled, tmp_path):
-    fleet = {'abcd': scheduled(defect='none'), 'efgh': scheduled(defect='inner')}
+@pytest.mark.parametrize(('sound', 'damaged'), [('a', 'ef'), *in_proofs(('abcd', 'efgh'))])
+def test_a_fleet_prints_all_machines_on_a_sheet_and_the_two_most_urgent(
+    scheduled, tmp_path, sound, damaged
+):
+    fleet = {sound: scheduled(defect='none'), damaged: scheduled(defect='inner')}
     with RecordingWriter(tmp_path / 'fleet') as writer:
         for names, recording in fleet.items():
             begin = next(read_messages(recording)).log_time
@@ -104,5 +108,7 @@ def test_a_fleet_prints_all_machines_on_a_sheet_and_the_two_most_urgent(schedule
     main = re.sub(r'<section class="appendix">.*</section>', '', page, flags=re.DOTALL)
     assert sheets(pdf_of(main)) == 1 + 2 * 2
     overview = re.search(r'<section class="overview">.*?</section>', page, re.DOTALL)[0]
-    assert re.findall(r'<a href="#m\d">(.*?)</a>', overview) == [f'/line1/{n}' for n in 'efghabcd']
+    assert re.findall(r'<a href="#m\d">(.*?)</a>', overview) == [
+        f'/line1/{name}' for name in damaged + sound
+    ]
     assert measured(page, 390)['width'] <= 390
