@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 13
+_VERSION = 14
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
 """Largest relative rounding of the time between updates."""
@@ -369,7 +369,7 @@ class StreamingDiagnoser:
             wanted=settings.baseline_windows,
             hold=settings.hold_updates,
             full=full,
-            minute=max(round(60.0 / settings.update_interval), 1),
+            interval=settings.update_interval,
         )
 
     def save(self) -> bytes:

@@ -126,6 +126,8 @@ class Trend:
     """Number of healthy windows in the baseline so far."""
     doubtful: int = 0
     """Number of suspect or faulty windows meanwhile."""
+    judged: float = 0.0
+    """Time from one update to the next, of all windows so far together, s."""
     memory: Memory = field(default_factory=Memory)
     """Levels of the machine so far, and the baseline from them."""
     first: list[list[float]] = field(default_factory=list)
@@ -170,7 +172,7 @@ class Trend:
         wanted: int,
         hold: int,
         full: bool,
-        minute: int = 60,
+        interval: float = 1.0,
     ) -> Diagnosis:
         """
         Take a diagnosis; return it with the level over the baseline, stage and held answer.
@@ -187,8 +189,8 @@ class Trend:
             Number of equal verdicts in a row before level or answer change.
         full
             Whether the window is full. The first full window sets the level at once.
-        minute
-            Number of windows in a minute.
+        interval
+            Time since the window before, s.
 
         """
         severity = diagnosis.severity
@@ -198,6 +200,7 @@ class Trend:
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.source.sample_rate:
             self.source = source
+        self.judged += interval
         if memory.base is None:
             alone = with_required_level(diagnosis).level
             self.doubtful += full and alone in ('suspect', 'fault')
@@ -207,12 +210,12 @@ class Trend:
             # A healthy window among faulty ones is of a damaged machine.
             if (alone == 'ok' or silent) and (louder or self.level in ('', 'ok')):
                 self.count += 1
-                if memory.learn(self.count, levels, now, wanted, _MOST_OVER_DB):
+                if memory.learn(self.judged, levels, now, wanted, _MOST_OVER_DB):
                     memory.windows.clear()
         own = with_required_level(self._compared(diagnosis, levels, now, wanted))
         if full:
             self.minute.append([*now, *levels])
-            if len(self.minute) >= minute:
+            if len(self.minute) >= max(round(60.0 / interval), 1):
                 self._take_minute(healthy=own.level == 'ok')
         return self._shown(own, hold, full)
 

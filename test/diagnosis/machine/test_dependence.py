@@ -148,7 +148,7 @@ def live(readings, trend=None):
     """Run verdicts, one a minute, through a trend."""
     trend = trend or Trend()
     return trend, [
-        trend.update(said(*reading), MACHINE, wanted=5, hold=1, full=True, minute=1)
+        trend.update(said(*reading), MACHINE, wanted=5, hold=1, full=True, interval=60.0)
         for reading in readings
     ]
 

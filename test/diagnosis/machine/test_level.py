@@ -340,6 +340,16 @@ def test_the_baseline_is_of_the_temperatures_that_were_known():
     assert trend.memory.at == pytest.approx((38.0, math.log2(25.0)))
 
 
+@pytest.mark.parametrize('interval', [0.25, 1.0, 20.0])
+def test_a_temperature_that_creeps_is_waited_for_half_an_hour_at_any_rate_of_updates(interval):
+    trend, updates = Trend(), 0
+    while trend.memory.base is None:
+        updates += 1
+        window = replace(said('healthy', 'ok'), temperature=40.0 + 0.1 * updates)
+        trend.update(window, MACHINE, wanted=60, hold=3, full=True, interval=interval)
+    assert (updates - 1) * interval == pytest.approx(1800.0, abs=interval)
+
+
 def test_a_sway_below_the_vibration_is_no_level_of_the_machine():
     """2 m/s^2 at 0.5 Hz beside a vibration of 0.2 m/s^2: a vessel, a vehicle, a drift."""
     settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
