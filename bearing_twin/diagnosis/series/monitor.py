@@ -25,13 +25,7 @@ from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone, CONFIRMING, WHY
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
-from bearing_twin.diagnosis.series.newest import (
-    EARLIER,
-    FEWEST,
-    judged,
-    lasting,
-    newest_levels,
-)
+from bearing_twin.diagnosis.series.newest import judged_counts, lasting, newest_levels
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.series.state import SeriesMemory
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -59,6 +53,8 @@ import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.series.averaging import Comb
@@ -413,10 +409,10 @@ class SeriesMonitor:
         """Return the report on all snapshots so far."""
         base = self._kept.memory.base
         comb, place = None, ''
-        if self._bearing is not None and self._kept.held in ('suspect', 'fault'):
+        if self._bearing is not None and self._alarmed:
             comb = self._loud.place(self._bearing, self._quiet) or self._kept.strong
             place = self._kept.place or (comb.place if comb else '')
-        alone = self._kept.held in ('suspect', 'fault') and math.isnan(self._kept.risen)
+        alone = self._alarmed and math.isnan(self._kept.risen)
         doubt = self._kept.doubt if alone and not place else ''
         change = self._change(self._kept.risen)
         warmer = math.nan
@@ -494,8 +490,8 @@ class SeriesMonitor:
             # Without a rise: a zone may be an alarm from the first snapshot on.
             return math.nan
         levels = levels[start:]
-        before = levels[: max(len(levels) - FEWEST, 0)][-EARLIER:]
-        count = judged(int((before >= floor + self._limit(measure)).sum()))
+        limit = floor + self._limit(measure)
+        [count] = judged_counts([*levels[:, np.newaxis]], [limit], len(levels))
         kept = lasting(levels, count) if len(levels) >= count else levels
         # A level that comes and goes does not last.
         kept = kept if kept[-1] > floor + reference else levels
@@ -515,58 +511,17 @@ class SeriesMonitor:
     def _reasons(
         self, change: float, warmer: float, comb: Comb | None, place: str, doubt: str
     ) -> tuple[str, ...]:
-        reasons = [text] if (text := str(self._kept.answers)) else []
-        if doubt and doubt != self._kept.answers.doubt:
-            reasons.append(f'{self._kept.held} held: {WHY[doubt]}')
-        if place and place == self._kept.place != self._kept.answers.place:
-            reasons.append(f'{self._kept.held} held: earlier snapshots say {place}')
-        base, alarmed = self._kept.memory.base, self._kept.held in ('suspect', 'fault')
-        if base is None and not self._teaches:
-            reasons.append(f'no baseline: a machine at {self._kept.held} is not learnt')
-        elif base is None:
-            count, hertz = self._kept.memory.most_at_one_speed()
-            wanted = self._settings.baseline_windows
-            why = f'{wanted} snapshots in a row wanted; {len(self._kept.points)} judged'
-            if count >= wanted:
-                why = f'in {wanted} snapshots {self._kept.memory.why_not_settled()}'
-            elif not math.isnan(hertz):
-                why = f'{wanted} snapshots at one speed wanted; most: {count} at {hertz:.4g} Hz'
-            reasons.append(
-                f'no baseline: {why}. Until there is one, only {FAULT_DB:g} dB over the lowest '
-                'level, a zone or a comb is an alarm'
-            )
+        reasons = [*self._told_of_answers(place, doubt), *self._told_of_baseline()]
         if self.lost:
             reasons.append(f'not known: the last {self._kept.unjudged} snapshots were not judged')
         elif self._kept.unjudged >= CONFIRMING:
             count = self._kept.unjudged
             reasons.append(f'the last {count} snapshots were not judged: what follows is older')
         if self._kept.points:
-            last, recent = self._kept.points[-1], self._recent_levels()
-            if base is not None:
-                rise = recent[:-1] - np.array(base.levels)
-                measure = _measured(last.measure, self._kept.source.sample_rate)
-                over = f'{measure}: {signed(last.over_baseline)} dB over the baseline'
-                if (limit := self._limit(index := WATCHED.index(last.measure))) > SUSPECT_DB:
-                    scatter = base.scatter[index]
-                    over += f'; it scatters by {scatter:.1f} dB: suspect from {limit:.1f} dB'
-                reasons.append(over)
-                usual = self._kept.memory.was_settled_at(recent[:-1])
-                if alarmed and usual is not None:
-                    begin, end = (_long(last.time - time) for time in usual.times)
-                    reasons.append(
-                        f'as loud as from {begin} to {end} ago, when it was settled too: '
-                        'another load, or is it not run in?'
-                    )
-                elif alarmed and rise.min() >= SUSPECT_DB and np.ptp(rise) <= SETTLED_DB:
-                    # No damage raises what a gear, the shaft and a bearing make by as much.
-                    reasons.append('all measures rose alike: was the gain or the sensor changed?')
-            if (zone := self._zone(recent)[1]) in ('C', 'D'):
-                reasons.append(f'zone {zone} of ISO 20816-3')
-            elif last.iso_zone in ('C', 'D'):
-                reasons.append(f'zone {last.iso_zone} of ISO 20816-3 in the last snapshot')
+            reasons += self._told_of_level(self._kept.points[-1])
         if math.isfinite(change):
             since = _long(self._kept.points[-1].time - change)
-            which = 'the level' if alarmed else 'the last alarm has ended; its level'
+            which = 'the level' if self._alarmed else 'the last alarm has ended; its level'
             reasons.append(f'{which} began to rise {since} ago')
         if self._kept.rise.found:
             reasons.append(f'the level has been rising for {self._kept.rise.lasting} snapshots')
@@ -575,7 +530,7 @@ class SeriesMonitor:
             reasons.append(f'{signed(warmer, 0)} K against the baseline')
         if comb is not None:
             reasons.append(str(comb))
-        elif not place and alarmed and self._bearing is not None:
+        elif not place and self._alarmed and self._bearing is not None:
             few = self._loud.count < LEAST_AVERAGED
             why = f'{self._loud.count} snapshots since the alarm, {LEAST_AVERAGED} are needed'
             none = 'no comb stands out of the averaged envelope'
@@ -584,6 +539,65 @@ class SeriesMonitor:
             f'{count} snapshots not judged: {why}' for why, count in self._kept.refused.items()
         ]
         return tuple(reasons)
+
+    @property
+    def _alarmed(self) -> bool:
+        return self._kept.held in ('suspect', 'fault')
+
+    def _told_of_answers(self, place: str, doubt: str) -> Iterator[str]:
+        """Say what the single snapshots answer, now and when the level was raised."""
+        kept = self._kept
+        if text := str(kept.answers):
+            yield text
+        if doubt and doubt != kept.answers.doubt:
+            yield f'{kept.held} held: {WHY[doubt]}'
+        if place and place == kept.place != kept.answers.place:
+            yield f'{kept.held} held: earlier snapshots say {place}'
+
+    def _told_of_baseline(self) -> Iterator[str]:
+        """Say why there is no baseline."""
+        if self._kept.memory.base is not None:
+            return
+        if not self._teaches:
+            yield f'no baseline: a machine at {self._kept.held} is not learnt'
+            return
+        count, hertz = self._kept.memory.most_at_one_speed()
+        wanted = self._settings.baseline_windows
+        why = f'{wanted} snapshots in a row wanted; {len(self._kept.points)} judged'
+        if count >= wanted:
+            why = f'in {wanted} snapshots {self._kept.memory.why_not_settled()}'
+        elif not math.isnan(hertz):
+            why = f'{wanted} snapshots at one speed wanted; most: {count} at {hertz:.4g} Hz'
+        yield (
+            f'no baseline: {why}. Until there is one, only {FAULT_DB:g} dB over the lowest '
+            'level, a zone or a comb is an alarm'
+        )
+
+    def _told_of_level(self, last: SeriesPoint) -> Iterator[str]:
+        """Say how far the newest levels are over the baseline, what may explain it, the zone."""
+        recent, base = self._recent_levels(), self._kept.memory.base
+        if base is not None:
+            measure = _measured(last.measure, self._kept.source.sample_rate)
+            over = f'{measure}: {signed(last.over_baseline)} dB over the baseline'
+            if (limit := self._limit(index := WATCHED.index(last.measure))) > SUSPECT_DB:
+                scatter = base.scatter[index]
+                over += f'; it scatters by {scatter:.1f} dB: suspect from {limit:.1f} dB'
+            yield over
+            rise = recent[:-1] - np.array(base.levels)
+            usual = self._kept.memory.was_settled_at(recent[:-1])
+            if self._alarmed and usual is not None:
+                begin, end = (_long(last.time - time) for time in usual.times)
+                yield (
+                    f'as loud as from {begin} to {end} ago, when it was settled too: '
+                    'another load, or is it not run in?'
+                )
+            elif self._alarmed and rise.min() >= SUSPECT_DB and np.ptp(rise) <= SETTLED_DB:
+                # No damage raises what a gear, the shaft and a bearing make by as much.
+                yield 'all measures rose alike: was the gain or the sensor changed?'
+        if (zone := self._zone(recent)[1]) in ('C', 'D'):
+            yield f'zone {zone} of ISO 20816-3'
+        elif last.iso_zone in ('C', 'D'):
+            yield f'zone {last.iso_zone} of ISO 20816-3 in the last snapshot'
 
 
 def _measured(measure: str, sample_rate: float) -> str:

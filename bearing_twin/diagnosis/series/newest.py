@@ -84,10 +84,24 @@ def newest_levels(
     array([9.])
 
     """
-    newest, until = np.array(levels[-EARLIER:]), max(sound - FEWEST + 1, 0)
+    return levels_reached(np.array(levels[-EARLIER:]), judged_counts(levels, limits, sound))
+
+
+def judged_counts(
+    levels: Sequence[NDArray[np.float64]], limits: Sequence[float], sound: int
+) -> list[int]:
+    """
+    Return by how many of the newest snapshots each measure is judged.
+
+    Arguments as in :func:`newest_levels`.
+
+    >>> judged_counts([np.full(1, 9.0)] * 6 + [np.zeros(1)] * 10, [6.0], 16)
+    [7]
+
+    """
+    until = max(sound - FEWEST + 1, 0)
     earlier = np.reshape(levels[max(until - EARLIER, 0) : until], (-1, len(limits)))
-    reached = (earlier >= limits).sum(axis=0).tolist()
-    return levels_reached(newest, [judged(count) for count in reached])
+    return [judged(count) for count in (earlier >= limits).sum(axis=0).tolist()]
 
 
 def levels_reached(newest: NDArray[np.float64], counts: Sequence[int]) -> NDArray[np.float64]:
