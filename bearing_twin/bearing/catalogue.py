@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import difflib
 import functools
 from importlib import resources
 import math
 import re
+import string
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
@@ -26,6 +28,10 @@ _WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFI
 """Pattern of a designation with maker and suffixes that change neither balls nor pitch diameter.
 The suffix E (as in ETN9) is not among them: it stands for more or larger balls. Without a limit on
 the number of suffixes, matching a name of 45 letters takes hours."""
+_SAME_CAGE = 0.006
+"""Largest difference between a stated FTF and that of BPFO and BPFI; makers round to 0.01."""
+_SAME_SPIN = 1.05
+"""Largest ratio of a stated BSF to that of balls without a contact angle; it is rounded, too."""
 LONGEST_NAME = 100
 """Characters of an unknown name that are compared and shown in messages."""
 
@@ -104,8 +110,9 @@ def find_bearing(name: str) -> Bearing:
     close = ', '.join(bearing.name for bearing in close_bearings(shown, 5))
     msg = (
         f'no bearing {shown!r} in the catalogue; the closest names: {close}; '
-        "'bearing-twin bearings' lists all, and a geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG does "
-        'for any other'
+        "'bearing-twin bearings' lists all; for any other give a geometry "
+        'Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG or the fault orders of its maker, '
+        'BPFO=ORDER,BPFI=ORDER,BSF=ORDER'
     )
     raise BearingTwinError(msg)
 
@@ -118,6 +125,8 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
     --------
     >>> [bearing.name for bearing in close_bearings('6306', 1)]
     ['6306']
+    >>> [bearing.name for bearing in close_bearings('NU205', 5)]
+    ['NU209']
 
     """
     folded = name.strip().casefold()
@@ -129,7 +138,13 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
         same = sum(one == other for one, other in zip(known, folded, strict=False))
         return -same, -difflib.SequenceMatcher(None, known, folded).ratio()
 
-    return sorted(catalogue().values(), key=unlike)[:count]
+    kin = [bearing for bearing in catalogue().values() if _kind(bearing.name) == _kind(folded)]
+    return sorted(kin or catalogue().values(), key=unlike)[:count]
+
+
+def _kind(name: str) -> str:
+    """Return the letters in front of a designation, which tell the kind of bearing."""
+    return name[: len(name) - len(name.lstrip(string.ascii_letters))].casefold()
 
 
 def _designation(folded: str) -> str:
@@ -164,30 +179,37 @@ def named_bearing(name: str) -> Bearing:
             except BearingTwinError:
                 continue
     said = f'the file says {name!r}, which is not in the catalogue' if name else 'unknown bearing'
-    msg = f'{said}; give --bearing NAME or --geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG'
+    msg = (
+        f'{said}; give --bearing NAME, or --geometry Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG or '
+        'BPFO=ORDER,BPFI=ORDER,BSF=ORDER'
+    )
     raise BearingTwinError(msg)
 
 
 def own_bearing(geometry: str) -> Bearing:
     """
-    Return a ball bearing from its geometry; its name is the text given.
+    Return a bearing from its geometry or its fault orders; its name is the text given.
 
     Parameters
     ----------
     geometry
-        ``'Z,D_BALL_MM,D_PITCH_MM[,ANGLE_DEG]'``.
+        ``'Z,D_BALL_MM,D_PITCH_MM[,ANGLE_DEG]'`` of a ball bearing, or the multiples of the shaft
+        speed that makers publish for a bearing of any kind,
+        ``'BPFO=ORDER,BPFI=ORDER[,BSF=ORDER][,FTF=ORDER]'``. Without BSF the contact angle is 0.
 
     Raises
     ------
     BearingTwinError
-        If the text has another form or the geometry is impossible.
+        If the text has another form, or the geometry or the orders are impossible.
 
     Examples
     --------
-    >>> own_bearing('9,7.94,39.04,0').n_balls
-    9
+    >>> own_bearing('9,7.94,39.04,0').n_balls, own_bearing('BPFO=5.97,BPFI=8.03').n_balls
+    (9, 14)
 
     """
+    if '=' in geometry:
+        return _by_orders(geometry)
     try:
         count, ball, pitch, *rest = geometry.split(',')
         (angle,) = rest or ['0']
@@ -196,7 +218,8 @@ def own_bearing(geometry: str) -> Bearing:
     except ValueError:
         msg = (
             f'geometry={geometry!r} is not Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG; '
-            "e.g. '9,7.94,39.04,0', or name a bearing of the catalogue"
+            "e.g. '9,7.94,39.04,0', the maker's fault orders 'BPFO=3.585,BPFI=5.415,BSF=2.357', "
+            'or name a bearing of the catalogue'
         )
         raise BearingTwinError(msg) from None
     if not 0.0 <= degrees < 90.0:
@@ -216,12 +239,47 @@ def own_bearing(geometry: str) -> Bearing:
     )
 
 
+def _by_orders(text: str) -> Bearing:
+    """Return the bearing with the fault orders in a text; see :func:`own_bearing`."""
+    orders: dict[str, float] = {}
+    with contextlib.suppress(ValueError):
+        for name, _, order in (part.partition('=') for part in text.split(',')):
+            orders[name.strip().lower()] = float(order)
+    bpfo, bpfi = orders.get('bpfo', math.nan), orders.get('bpfi', math.nan)
+    said = f'geometry={text!r:.100}'
+    if len(orders) != text.count(',') + 1 or not orders.keys() <= set(FaultFrequencies._fields):
+        msg = (
+            f"{said} is not BPFO=ORDER,BPFI=ORDER,BSF=ORDER; e.g. 'BPFO=3.585,BPFI=5.415,"
+            "BSF=2.357', in multiples of the shaft speed"
+        )
+        raise BearingTwinError(msg)
+    if not 0.0 < bpfo < bpfi < math.inf:
+        msg = f'{said}: BPFO={bpfo:g}, BPFI={bpfi:g}; give both, the smaller one is BPFO'
+        raise BearingTwinError(msg)
+    gamma, ftf = (bpfi - bpfo) / (bpfi + bpfo), bpfo / (bpfi + bpfo)
+    if not abs(orders.get('ftf', ftf) - ftf) <= _SAME_CAGE:
+        msg = (
+            f'{said}: the cage of these BPFO and BPFI has FTF={ftf:.4g}; are all of one bearing '
+            'whose outer ring stands still?'
+        )
+        raise BearingTwinError(msg)
+    fastest = 0.5 * (1.0 / gamma - gamma)
+    bsf = orders.get('bsf', fastest)
+    if bsf > _SAME_SPIN * fastest:
+        msg = (
+            f'{said}: BSF is at most {fastest:.4g} with these BPFO and BPFI; give the spin of a '
+            'ball, half as often as its defect strikes a race'
+        )
+        raise BearingTwinError(msg)
+    return bearing_of_orders(text, FaultFrequencies(bpfo, bpfi, bsf, ftf))
+
+
 def bearing_of_orders(name: str, orders: FaultFrequencies) -> Bearing:
     """
     Return the ball bearing whose fault orders without slip are ``orders``.
 
     The orders determine the number of balls, gamma and the ratio of ball to pitch diameter, but
-    not the size: a pitch diameter of 50 mm is assumed.
+    not the size: a pitch diameter of 50 mm is assumed, with which nothing can be simulated.
 
     Raises
     ------
@@ -251,6 +309,7 @@ def bearing_of_orders(name: str, orders: FaultFrequencies) -> Bearing:
             d_ball=0.05 * ratio,
             d_pitch=0.05,
             contact_angle=math.acos(gamma / ratio),
+            basis='orders',
             source='given by its fault orders',
         )
     except BearingTwinError as error:

@@ -80,7 +80,8 @@ class Bearing:
     basis
         Where number and diameter of the balls come from: ``'published'``; ``'inferred'`` from a
         maker's ratings, which only these balls give; ``'estimated'``: the likeliest of several
-        that fit; ``'given'`` by the user.
+        that fit; ``'given'`` by the user; ``'orders'``: from fault orders, which leave the size
+        open.
     source
         Where the geometry was published.
 
@@ -112,7 +113,7 @@ class Bearing:
     static_rating: float | None = None
     series: str = ''
     kind: str = ''
-    basis: Literal['published', 'inferred', 'estimated', 'given'] = 'given'
+    basis: Literal['published', 'inferred', 'estimated', 'given', 'orders'] = 'given'
     source: str = ''
 
     def __post_init__(self) -> None:

@@ -35,7 +35,8 @@ def add_signal_arguments(parser: argparse.ArgumentParser) -> None:
     kind.add_argument(
         '--geometry',
         metavar='Z,BALL,PITCH,ANGLE',
-        help='number of balls, ball and pitch diameter in mm, contact angle in degrees',
+        help='number of balls, ball and pitch diameter in mm, contact angle in degrees; or the '
+        "maker's fault orders, BPFO=5.97,BPFI=8.03,BSF=3.34",
     )
     speed = parser.add_mutually_exclusive_group()
     speed.add_argument('--shaft-hz', type=float, help='shaft speed, Hz; else what the file says')

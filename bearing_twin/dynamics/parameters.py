@@ -47,7 +47,7 @@ def check_bearing(bearing: Bearing) -> None:
     Raises
     ------
     BearingTwinError
-        If it is not one row of balls with a contact angle of at most 45 deg.
+        If it is not one row of balls of known size with a contact angle of at most 45 deg.
 
     Examples
     --------
@@ -63,6 +63,13 @@ def check_bearing(bearing: Bearing) -> None:
             'the friction constants hold for nothing else. Its fault frequencies are known, '
             'so a measured vibration can be diagnosed; to simulate or to fit, choose a ball '
             'bearing'
+        )
+        raise BearingTwinError(msg)
+    if bearing.basis == 'orders':
+        msg = (
+            f'the fault orders {bearing.name!r} do not tell the size of the bearing, on which '
+            'contacts and paths depend; to simulate or to fit, give its geometry '
+            'Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG'
         )
         raise BearingTwinError(msg)
     steepest = math.radians(45.0)

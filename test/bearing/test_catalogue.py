@@ -13,6 +13,7 @@ from bearing_twin.bearing import (
     fault_orders,
     find_bearing,
     load_deflection_factor,
+    own_bearing,
     radial_factor,
 )
 from bearing_twin.bearing.hertz import elliptic_integrals
@@ -127,6 +128,15 @@ def test_inferred_balls_of_bearings_whose_balls_are_known(known, like):
 )  # fmt: skip
 def test_makers_and_seals_do_not_matter(said, name):
     assert find_bearing(said).name == name
+
+
+def test_orders_of_two_decimals_give_every_bearing():
+    for bearing in catalogue().values():
+        orders = fault_orders(bearing)
+        text = ','.join(f'{name}={order:.2f}' for name, order in orders._asdict().items())
+        found = own_bearing(text)
+        assert found.n_balls == bearing.n_balls
+        assert fault_orders(found) == pytest.approx(orders, rel=0.01)
 
 
 def test_mean_diameter():

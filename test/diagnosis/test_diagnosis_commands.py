@@ -5,9 +5,10 @@
 import argparse
 from dataclasses import fields
 import json
+import re
 import shutil
 
-from bearing_twin.bearing import fault_frequencies, find_bearing, own_bearing
+from bearing_twin.bearing import fault_frequencies, fault_orders, find_bearing, own_bearing
 from bearing_twin.bench.diagnosis import fault_signal, measure, RATE, SHAFT_HZ
 from bearing_twin.cli import main
 from bearing_twin.cli.diagnose.command import configure
@@ -230,10 +231,37 @@ def test_without_a_picture_there_is_no_folder(command, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize('text', ['', '9', 'a,b,c', '9,40,39,0', '9,7.9,39,95', '2,7.9,39'])
-def test_bad_geometry(text):
-    with pytest.raises(BearingTwinError):
+@pytest.mark.parametrize(
+    ('text', 'said'),
+    [('', 'is not Z,D_BALL_MM'), ('9', 'is not Z,D_BALL_MM'), ('a,b,c', 'is not Z,D_BALL_MM'),
+     ('9,40,39,0', 'the ball comes first'), ('9,7.9,39,95', 'below 90'), ('2,7.9,39', '3..100'),
+     ('BPFO=3.585', 'give both'), ('BPFO=5.4,BPFI=3.6', 'the smaller one is BPFO'),
+     ('BPFO=3.6,BPFI=5.4,BSF', 'is not BPFO='), ('BPFO=3.6,BPFO=3.6,BPFI=5.4', 'is not BPFO='),
+     ('BPFO=3.6,BPFI=5.4,speed=3', 'is not BPFO='), ('BPFO=x,BPFI=5.4', 'is not BPFO='),
+     ('BPFO=3.6,BPFI=5.4,FTF=0.6', 'FTF=0.4;'), ('BPFO=3.6,BPFI=5.4,FTF=nan', 'FTF=0.4;'),
+     # The frequency with which a defect of a ball strikes, which some makers print.
+     ('BPFO=3.6,BPFI=5.4,BSF=4.71', 'at most 2.4 '), ('BPFO=3.6,BPFI=5.4,BSF=nan', 'no bearing'),
+     ('BPFO=3.6,BPFI=5.2', 'no bearing'), ('BPFO=inf,BPFI=inf', 'give both')],
+)  # fmt: skip
+def test_bad_geometry(text, said):
+    with pytest.raises(BearingTwinError, match=re.escape(said)):
         own_bearing(text)
+
+
+def test_the_orders_that_a_maker_prints_do_for_a_geometry(good, capsys):
+    """With two decimals, in any sequence; but a fit needs the size."""
+    orders = fault_orders(find_bearing('6307'))
+    text = f'bsf={orders.bsf:.2f}, BPFI={orders.bpfi:.2f}, BPFO={orders.bpfo:.2f}'
+    assert main(['diagnose', str(good), '--geometry', text, '--json']) == 0
+    (found,) = json_lines(capsys)
+    assert found['bearing'] == f'{text}: 8 rolling elements, of size unknown'
+    assert main(['diagnose', str(good), '--bearing', '6307', '--json']) == 0
+    (by_name,) = json_lines(capsys)
+    assert (found['result'], found['level']) == (by_name['result'], by_name['level'])
+    fault_hz = by_name['evidence']['fault_hz']
+    assert found['evidence']['fault_hz'] == pytest.approx(fault_hz, rel=1e-4)
+    assert main(['fit', str(good), '--geometry', text]) == 1
+    assert 'do not tell the size' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

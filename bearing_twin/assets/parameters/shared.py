@@ -17,8 +17,9 @@ CHECKPOINT_PERIOD = fixed(
 )  # fmt: skip
 
 GEOMETRY = parameter(
-    'geometry', '', "Own bearing as 'Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG', used where bearing is ''."
-)
+    'geometry', '', "Own bearing as 'Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG', or for a diagnosis its "
+    "fault orders 'BPFO=ORDER,BPFI=ORDER,BSF=ORDER'; used where bearing is ''."
+)  # fmt: skip
 
 HARDWARE_ID = fixed(
     'hardware_id', '', "Asset named on /diagnostics; '': the namespace of the node."

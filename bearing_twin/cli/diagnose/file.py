@@ -21,6 +21,7 @@ from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.view.verdict import confidence, next_step
 
 if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
     from bearing_twin.cli.diagnose.task import Task
     from bearing_twin.diagnosis import Diagnosis
 
@@ -67,8 +68,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'file': task.path,
         'channel': task.channel or '',
         'source': f'{signal.source}: {length:.4g} s at {signal.sample_rate:g} Hz',
-        'bearing': f'{bearing.name}: {bearing.n_balls} {bearing.element}s of '
-        f'{1e3 * bearing.d_ball:.5g} mm on {1e3 * bearing.d_pitch:.5g} mm, {bearing.basis}',
+        'bearing': _described(bearing),
         'result': diagnosis.result,
         'faults': list(diagnosis.faults),
         'level': diagnosis.level,
@@ -104,3 +104,11 @@ def evidence(diagnosis: Diagnosis) -> dict[str, Any]:
         DIGITS,
     )
     return found
+
+
+def _described(bearing: Bearing) -> str:
+    """Return name and geometry of a bearing, and what they rest on, in words."""
+    if bearing.basis == 'orders':
+        return f'{bearing.name}: {bearing.n_balls} rolling elements, of size unknown'
+    size = f'{1e3 * bearing.d_ball:.5g} mm on {1e3 * bearing.d_pitch:.5g} mm'
+    return f'{bearing.name}: {bearing.n_balls} {bearing.element}s of {size}, {bearing.basis}'
