@@ -24,3 +24,9 @@ def scheduled(made_once):
 def recording(scheduled):
     """Return a recording of twin and diagnosis over the paper's schedule."""
     return scheduled(defect='inner', preset='incipient', waviness=0.0)
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Make the figures of a page without drawing them, for tests that read only its words."""
+    monkeypatch.setattr('bearing_twin.view.report.plots.svg_element', lambda *_: '<svg></svg>')

@@ -108,6 +108,7 @@ def older(recording, target):
     return target
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_vibration_and_verdicts_of_an_older_version_are_read(tmp_path, capsys):
     pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
     pytest.importorskip('rerun', reason='the picture is drawn by Rerun')

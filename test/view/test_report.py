@@ -59,12 +59,6 @@ def page(recording):
     return report_page(recording)
 
 
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Make the figures of a page without drawing them, for tests that read only its words."""
-    monkeypatch.setattr('bearing_twin.view.report.plots.svg_element', lambda *_: '<svg></svg>')
-
-
 class Elements(HTMLParser):
     """Collect tags, ids and references of a page, and check that tags are closed."""
 

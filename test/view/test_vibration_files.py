@@ -32,6 +32,7 @@ def text_of(page):
     return re.sub(r'\s+', ' ', re.sub('<[^>]+>', ' ', page.read_text()))
 
 
+@pytest.mark.usefixtures('undrawn')
 @pytest.mark.parametrize(
     ('name', 'words'),
     [
@@ -58,6 +59,7 @@ def test_a_file_without_a_bearing_is_refused_with_the_remedy(folder, tmp_path, c
     assert '--bearing' in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_a_short_file_has_verdicts_too(folder, tmp_path):
     with np.load(folder / 'fan.npz') as whole:
         np.savez(tmp_path / 'short.npz', **{**whole, 'x': whole['x'][:24000]})
