@@ -29,6 +29,7 @@ from scipy import special
 PACKAGE = Path(bearing_twin.diagnosis.__file__).parent
 
 
+@pytest.mark.proof
 def test_short_snapshots_of_damaged_machines_are_suspect_together_and_sound_ones_are_not(capsys):
     short_snapshots.main(['50'])
     cells = [line.split(' | ') for line in capsys.readouterr().out.splitlines()[2:]]

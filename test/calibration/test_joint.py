@@ -150,6 +150,7 @@ def test_a_record_that_may_have_a_defect_is_not_made_healthy_by_another():
         assert common_width(both)[1:] == (suspect.quantities['defect_width_mm'], suspect.statement)
 
 
+@pytest.mark.proof
 def test_files_of_one_machine_at_two_speeds_give_one_width(data_dir, capsys):
     names = [str(data_dir / 'hitsm' / f'hitsm_sq_IR8_{rpm}.npz') for rpm in (600, 900)]
     words = ['fit', *names, '--bearing', '6205', '--place', 'inner', '--one-machine']

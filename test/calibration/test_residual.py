@@ -19,6 +19,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.residual import decisions_until, false_alarms, HEALTHY
+from cases import in_proofs
 import numpy as np
 import pytest
 
@@ -32,15 +33,24 @@ SHOWS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize('change', SHOWS)
-def test_a_change_is_seen_where_it_is(change):
+@pytest.mark.parametrize(
+    ('change', 'day'),
+    [
+        ('imbalance', 200), ('another machine', 200),
+        *in_proofs(*((change, DAY) for change in SHOWS)),
+    ],
+)  # fmt: skip
+def test_a_change_is_seen_where_it_is(monkeypatch, change, day):
+    monkeypatch.setattr('bearing_twin.studies.residual.DAY', day)
     size = 6.0 if change == 'imbalance' else -6.0
     found = decisions_until(change, size, 200, trials=4)
     assert max(decisions for decisions, _ in found) <= 10
     assert {where for _, where in found} <= SHOWS[change]
 
 
-def test_a_sensor_that_drifts_is_seen_and_health_is_not():
+@pytest.mark.parametrize('day', [200, *in_proofs(DAY)])
+def test_a_sensor_that_drifts_is_seen_and_health_is_not(monkeypatch, day):
+    monkeypatch.setattr('bearing_twin.studies.residual.DAY', day)
     assert {decisions for decisions, _ in decisions_until('', 0.0, 200, trials=4)} == {math.inf}
     # 0.2 dB a decision; the level of the machine itself scatters by 0.3 dB.
     drifts = [n for n, _ in decisions_until('', 0.0, 200, drift=-0.2, trials=4)]

@@ -11,11 +11,12 @@ from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics import Fleet, preset, Simulator
 from bearing_twin.dynamics.trend import amplitude_change, impact_amplitude, trend_sentence
 from bearing_twin.thermal.gcr15 import Beta0
+from cases import in_proofs
 import numpy as np
 import pytest
 
 RATE = 25600.0
-SPEEDS = (22.0, 25.4, 29.0)
+SPEEDS = (25.4, *in_proofs(22.0, 29.0))
 STATED = {'expansion': -1, 'hardness': 1, 'friction': -1, 'all': -1}
 
 
@@ -123,7 +124,7 @@ def test_every_trend_of_the_paper_holds_in_every_corner(shaft_hz, sensor):
             assert STATED[factor] * change > 0.0, (corner, factor, change)
 
 
-@pytest.mark.parametrize('shaft_hz', [22.0, 25.4, 29.0])
+@pytest.mark.parametrize('shaft_hz', SPEEDS)
 def test_presets_and_modes_say_which_way_they_move(shaft_hz):
     for mode, name, falls in (
         ('paper', 'paper', True), ('paper', 'incipient', False), ('physical', 'paper', True),

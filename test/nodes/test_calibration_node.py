@@ -444,6 +444,7 @@ def test_whatever_ends_a_fit_is_told_and_the_next_one_begins(here, capfd):
 
 
 @pytest.mark.usefixtures('compiled')
+@pytest.mark.proof
 def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, probe):
     from bearing_twin_msgs.msg import Calibration, Diagnosis, TwinState, Vibration
 

@@ -142,6 +142,7 @@ def test_a_measured_bearing_from_the_file_to_the_alarm(probe, terminals, tmp_pat
     assert {verdict.result_name for verdict in named(verdicts)} == {'inner'}
 
 
+@pytest.mark.proof
 def test_the_nodes_one_by_one_and_their_recording(probe, terminals, tmp_path):
     listed = commands(section(4))
     from bearing_twin_msgs.msg import Diagnosis

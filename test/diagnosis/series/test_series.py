@@ -125,7 +125,7 @@ def test_level_changes_at_most_twice_an_hour():
 
 def test_alarm_ends_an_hour_after_the_cause():
     end = BEGIN + 50
-    monitor, _ = deepcopy(begun(5)).go_on(end + HOUR + 40, lambda n: 15.0 * (n < end))
+    monitor, _ = deepcopy(begun(0)).go_on(end + HOUR + 40, lambda n: 15.0 * (n < end))
     report = monitor.report()
     assert report.level == 'ok'
     assert report.first_fault == pytest.approx(BEGIN * CYCLE, abs=5 * CYCLE)
