@@ -261,7 +261,10 @@ class Memory:
         if isinstance(found, str):
             return found
         over = self._over_lowest(speed, found.levels[0], found.temperature)
-        return f'the level has settled {over:.1f} dB above the lowest so far'
+        return (
+            f'the level has settled {over:.1f} dB above the lowest so far (if the machine was '
+            'idle or ran in then, leave out what was measured before; a node: ~/reset)'
+        )
 
     def _allowed(self, laws: list[Law], time: float) -> tuple[list[Law], float]:
         """Return the laws that may correct a first baseline, and the most its heat may move, K."""
