@@ -35,7 +35,7 @@ def with_rules(text: str) -> str:
         f'| `{rule.name}` | {rule.tells} | '
         f'{f"at most {rule.at_most:g}" if rule.at_most < 1.0 else "that something strikes"} |'
         for rule in RULES
-        if rule.tells and rule.answer != 'healthy'
+        if rule.tells and rule.answer in ('suspect', 'ambiguous')
     ]
     text = with_block(text, 'tells', '\n'.join(steps))
     return with_block(text, 'rules', '\n'.join(rows))

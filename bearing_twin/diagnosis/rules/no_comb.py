@@ -36,7 +36,11 @@ _SHOWN = 0.6
 a second one of a/4 of the first and no others, and one line of noise in ten is as high."""
 
 
-@rule('insufficient', "A dead sensor has no comb either: its noise is the converter's rounding.")
+@rule(
+    'insufficient',
+    "A dead sensor has no comb either: its noise is the converter's rounding.",
+    tells='check sensor, cable and gain, and record again',
+)
 def few_steps(e: Evidence) -> Verdict | None:
     if e.steps >= CONVERTER_STEPS:
         return None
@@ -91,6 +95,7 @@ def mostly_damaged(e: Evidence) -> Verdict | None:
     'Combs of two places of one bearing are not chance: first damage, or waves of its surfaces.',
     faint=True,
     nothing_shows=True,
+    tells='compare with an earlier record, and record longer or nearer to the bearing',
 )
 def two_faint_places(e: Evidence) -> Verdict | None:
     if len(e.faint) < 2:
@@ -127,6 +132,8 @@ def fast_impacts(e: Evidence) -> Verdict | None:
     'Of machines with such combs hardly more are sound than damaged, or fewer.',
     faint=True,
     nothing_shows=True,
+    tells='compare with an earlier record, and record longer or nearer to the bearing, with a '
+    'measured speed',
 )
 def uncertain_health(e: Evidence) -> Verdict | None:
     trust = Trust.on(e, highest_comb(e.all_combs), e.candidates)
@@ -146,6 +153,7 @@ def uncertain_health(e: Evidence) -> Verdict | None:
     'insufficient',
     'A short window shows strong faults only, so it cannot call a bearing healthy.',
     nothing_shows=True,
+    tells='record longer',
 )
 def few_shaft_turns(e: Evidence) -> Verdict | None:
     if e.turns >= HEALTHY_TURNS:
@@ -161,6 +169,7 @@ def few_shaft_turns(e: Evidence) -> Verdict | None:
     'insufficient',
     'Impacts hardly show that come faster than their ringing dies away.',
     nothing_shows=True,
+    tells='sample faster or slow the shaft down, and compare with an earlier record',
 )
 def run_together(e: Evidence) -> Verdict | None:
     comb = e.fast
@@ -185,7 +194,12 @@ def run_together(e: Evidence) -> Verdict | None:
     return no_statement(e, text)
 
 
-@rule('insufficient', 'What rings low has steady lines and modulates little.', nothing_shows=True)
+@rule(
+    'insufficient',
+    'What rings low has steady lines and modulates little.',
+    nothing_shows=True,
+    tells='compare with an earlier record, sample faster or slow the shaft down',
+)
 def low_lines(e: Evidence) -> Verdict | None:
     if e.low_lines < LOW_LINES:
         return None

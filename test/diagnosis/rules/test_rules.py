@@ -22,7 +22,7 @@ from bearing_twin.diagnosis.rules.table import (
     RULES,
     TELLS,
 )
-from bearing_twin.view.verdict import FAULT, next_step, OK, SUSPECT
+from bearing_twin.view.verdict import FAULT, next_step, NO_LEVEL, OK, SUSPECT
 import numpy as np
 import pytest
 
@@ -284,7 +284,7 @@ def test_a_healthy_answer_with_a_weak_comb_asks_for_the_comparison_that_it_names
     assert next_step(risen) == next_step(SimpleNamespace(**vars(risen) | {'rule': 'no_comb'}))
 
 
-@pytest.mark.parametrize('name', [name for name in TELLS if CASES[name][2] != 'ok'])
+@pytest.mark.parametrize('name', [n for n in TELLS if CASES[n][2] in ('suspect', 'fault')])
 def test_what_something_sound_explains_as_well_is_not_sure_and_orders_no_bearing(name):
     evidence, result, level, faults = CASES[name]
     clear = decide(evidence)._replace(level=level)
@@ -305,6 +305,18 @@ def test_what_something_sound_explains_as_well_is_not_sure_and_orders_no_bearing
     # A vibration that is that of a damaged machine asks for more.
     message.stage = 4.0
     assert 'find the cause' in next_step(message).casefold() or level == 'suspect'
+
+
+@pytest.mark.parametrize('name', [name for name in TELLS if CASES[name][2] == 'none'])
+def test_what_shows_nothing_says_how_to_record_again(name):
+    message = SimpleNamespace(
+        result_name='insufficient', rule=name, level=NO_LEVEL, faults=(), stage=math.nan,
+        shaft_hz=25.0, shaft_hz_given=25.0, velocity_rms=math.nan, level_over_baseline=math.nan,
+        iso_zone='',
+    )  # fmt: skip
+    assert next_step(message).casefold() == f'{TELLS[name]}.'.casefold()
+    standing = SimpleNamespace(**vars(message) | {'shaft_hz': 0.0})
+    assert next_step(standing) == 'Measure while the shaft turns.'
 
 
 def test_every_rule_has_a_case_and_a_sentence():
