@@ -6,11 +6,13 @@ Many bearings in one process, from a YAML of assets; recorded and shown if asked
 What is not given as an argument comes from the parameter file, if there is one.
 """
 
-from bearing_twin.ros.processes.launchfile import Argument, launch_description, shared
+from bearing_twin.ros.processes.launchfile import (
+    Argument,
+    launch_description,
+    shared,
+    WhenRecorded,
+)
 from launch import LaunchDescription
-from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
-
-RECORDED = EqualsSubstitution(LaunchConfiguration('record'), 'true')
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -24,7 +26,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument(
                 'wait_for_subscribers',
                 'subscribers of each vibration for which the first block waits: the recorder',
-                IfElseSubstitution(RECORDED, '1', '0'),
+                WhenRecorded('1', '0'),
                 int,
             ),
             Argument('output', 'bag folder; empty: bearing_twin_DATE-TIME here'),

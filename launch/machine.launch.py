@@ -9,12 +9,16 @@ recorder takes the namespace of the machine, its temperature and speed wherever 
 has recorded before. All end with the launch.
 """
 
-from bearing_twin.ros.processes.launchfile import Argument, launch_description, shared
+from bearing_twin.ros.processes.launchfile import (
+    Argument,
+    launch_description,
+    shared,
+    WhenRecorded,
+)
 from launch import LaunchDescription
-from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
+from launch.substitutions import LaunchConfiguration
 
 WAIT = 'wait_for_subscribers'
-RECORDED = EqualsSubstitution(LaunchConfiguration('record'), 'true')
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -35,7 +39,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument(
                 WAIT,
                 "subscribers of the twin's vibration for which it waits: the recorder",
-                IfElseSubstitution(RECORDED, '1', '0'),
+                WhenRecorded('1', '0'),
                 int,
             ),
             Argument('regex', 'topics to record', ['{namespace}/.*|/diagnostics', *beside]),

@@ -6,13 +6,16 @@ Twin and diagnosis of one bearing, recorded and shown in Rerun if asked for.
 What is not given as an argument comes from the parameter file.
 """
 
-from bearing_twin.ros.processes.launchfile import Argument, launch_description, shared
+from bearing_twin.ros.processes.launchfile import (
+    Argument,
+    launch_description,
+    shared,
+    WhenRecorded,
+)
 from launch import LaunchDescription
-from launch.substitutions import EqualsSubstitution, IfElseSubstitution, LaunchConfiguration
 
 WAIT = 'wait_for_subscribers'
 FILE = 'empty: from the parameter file'
-RECORDED = EqualsSubstitution(LaunchConfiguration('record'), 'true')
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -30,7 +33,7 @@ def generate_launch_description() -> LaunchDescription:
             Argument(
                 WAIT,
                 'subscribers of vibration for which the twin waits: recorder and diagnosis',
-                IfElseSubstitution(RECORDED, '2', '1'),
+                WhenRecorded('2', '1'),
                 int,
             ),
             Argument('output', f'bag folder; {FILE}, or bearing_twin_DATE-TIME here'),

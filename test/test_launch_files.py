@@ -74,6 +74,9 @@ def test_launch_file_describes_itself(path):
     for argument in arguments:
         assert argument.description, argument.name
         assert argument.name in PARAMETERS | NOT_PARAMETERS
+        # As 'ros2 launch --show-args' prints it.
+        default = ' + '.join(part.describe() for part in argument.default_value)
+        assert ' object at 0x' not in default, argument.name
 
 
 @pytest.mark.parametrize(

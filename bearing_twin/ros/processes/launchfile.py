@@ -24,7 +24,12 @@ from launch.event_handlers import OnProcessExit
 from launch.events import matches_action
 from launch.events.process import ShutdownProcess
 from launch.logging import get_logger
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import (
+    EqualsSubstitution,
+    IfElseSubstitution,
+    LaunchConfiguration,
+    PathJoinSubstitution,
+)
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
@@ -48,6 +53,19 @@ class Argument:
     default: str | Substitution | Sequence[str | Substitution] = ''
     """If it is empty, the value of the parameter file or the default of the node applies."""
     kind: type = str
+
+
+class WhenRecorded(IfElseSubstitution):  # type: ignore[misc]
+    """One value if the argument ``record`` is true, and another one if not."""
+
+    def __init__(self, value: str, otherwise: str) -> None:
+        recorded = EqualsSubstitution(LaunchConfiguration('record'), 'true')
+        super().__init__(recorded, value, otherwise)
+        self._text = f"'{value}', with record:=false '{otherwise}'"
+
+    def describe(self) -> str:
+        """Return the text that ``--show-args`` prints; launch would print an object."""
+        return self._text
 
 
 def shared(*path: str) -> PathJoinSubstitution:
