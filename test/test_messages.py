@@ -68,6 +68,14 @@ def test_the_answer_of_a_window_stays_visible_while_another_is_held():
     assert (second.rule, second.stage) == ('a_rule_for_healthy', 0)
 
 
+def test_levels_are_the_constants_of_the_message():
+    from bearing_twin_msgs.msg import Diagnosis
+
+    names = [name for name in vars(topics) if name.startswith('LEVEL_')]
+    assert len(names) == 4
+    assert all(getattr(topics, name) == getattr(Diagnosis, name) for name in names)
+
+
 def test_before_a_full_window_only_its_own_level_is_known():
     from bearing_twin_msgs.msg import Diagnosis
 

@@ -19,6 +19,7 @@ from bearing_twin.quantity import LONGEST_TEXT
 from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.snapshot import SnapshotWriter
+from bearing_twin.recording.topics import CHECKPOINT, DIAGNOSIS, LEVEL_FAULT
 from bearing_twin.wholefile import free_path
 import yaml
 
@@ -30,9 +31,6 @@ if TYPE_CHECKING:
     from rclpy.impl.rcutils_logger import RcutilsLogger
 
 
-CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
-DIAGNOSIS = 'bearing_twin_msgs/msg/Diagnosis'
-FAULT = 2
 MOST_ATTACHED = 16 * 1024 * 1024
 """Most bytes of node parameters that are attached; they are repeated in every file."""
 LONGEST_READ = 5.0
@@ -188,7 +186,7 @@ class RecordingWatch:
 
     def _look_for_fault(self, topic: str, diagnosis: Any, received: int) -> None:
         before = self._in_fault.get(topic, False)
-        fault = diagnosis.level == FAULT
+        fault = diagnosis.level == LEVEL_FAULT
         if fault and not before and isinstance(self._writer, SnapshotWriter):
             self._logger.info(f'{diagnosis.fault_code} on {topic}: a snapshot is written')
             # If this fails, the next verdict triggers again.

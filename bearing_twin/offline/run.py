@@ -24,6 +24,7 @@ from bearing_twin.offline.output import Output, output
 from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.topics import JOINT_STATE, TEMPERATURE, TWIN_STATE, VIBRATION
 from bearing_twin.recording.writer import RecordingWriter, whole_recording
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.streams.ahead import ahead
@@ -42,10 +43,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
-VIBRATION = 'bearing_twin_msgs/msg/Vibration'
-STATE = 'bearing_twin_msgs/msg/TwinState'
-TEMPERATURE = 'sensor_msgs/msg/Temperature'
-JOINTS = 'sensor_msgs/msg/JointState'
 LONGEST_PAUSE = 86_400 * NANO
 """Longest time between two inputs of a run, ns: a day; a clock that was set makes years."""
 AHEAD, BATCH = 200, 25
@@ -127,7 +124,8 @@ def run_offline(
 
     """
     info = recording_info(source)
-    topics = [t for t, about in info.topics.items() if about.type_name in (TEMPERATURE, JOINTS)]
+    inputs = TEMPERATURE, JOINT_STATE
+    topics = [name for name, topic in info.topics.items() if topic.type_name in inputs]
     heard = [t for t in topics if info.topics[t].type_name == TEMPERATURE and info.topics[t].count]
     chosen = [t for t in heard if temperature in ('', t)]
     if not heard:
@@ -368,7 +366,7 @@ class _DiagnosisSide:
         return [
             *([block.checkpoint] if block.checkpoint is not None else []),
             Output('/vibration', VIBRATION, vibration),
-            Output('/twin_state', STATE, self._bytes.state(made, due, values, realtime)),
+            Output('/twin_state', TWIN_STATE, self._bytes.state(made, due, values, realtime)),
         ]
 
     def _new_warnings(self, condition: Condition, due: Due) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.reader import ReadCallbacks, recording_info
+from bearing_twin.recording.topics import VIBRATION
 from bearing_twin.stamps import NANO, stamp_ns
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from bearing_twin.recording.reader import RecordingInfo
 
 
-VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SEVERAL_SOURCES = 3
 """Returns of the sample index from which on a topic counts as shared by several sources. A single
 source whose blocks are out of order makes fewer."""

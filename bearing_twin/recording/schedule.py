@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.signals.npz import read_npz
+from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO, split_ns
 import numpy as np
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-TEMPERATURE = 'sensor_msgs/msg/Temperature'
 _SHORTEST = 1e-6
 """Shortest time between two readings that can be asked for, s."""
 START = 1_577_836_800 * NANO

@@ -1,6 +1,19 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Names and types of the topics of the twin and diagnosis nodes."""
+"""Names and types of the topics of the nodes, and constants of their messages."""
+
+CALIBRATION = 'bearing_twin_msgs/msg/Calibration'
+CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
+DIAGNOSIS = 'bearing_twin_msgs/msg/Diagnosis'
+DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
+JOINT_STATE = 'sensor_msgs/msg/JointState'
+SPECTRUM = 'bearing_twin_msgs/msg/Spectrum'
+TEMPERATURE = 'sensor_msgs/msg/Temperature'
+TWIN_STATE = 'bearing_twin_msgs/msg/TwinState'
+VIBRATION = 'bearing_twin_msgs/msg/Vibration'
+
+LEVEL_OK, LEVEL_SUSPECT, LEVEL_FAULT, LEVEL_NONE = range(4)
+"""Constants of a Diagnosis message."""
 
 FEATURES = (
     'result',
@@ -17,16 +30,16 @@ Rerun itself opens seven line plots of a recording: these fields and the tempera
 """
 
 OWN_TOPICS = {
-    'temperature': 'sensor_msgs/msg/Temperature',
-    'joint_states': 'sensor_msgs/msg/JointState',
-    'vibration': 'bearing_twin_msgs/msg/Vibration',
-    'twin_state': 'bearing_twin_msgs/msg/TwinState',
-    'twin_checkpoint': 'bearing_twin_msgs/msg/Checkpoint',
-    'diagnosis': 'bearing_twin_msgs/msg/Diagnosis',
-    'diagnosis_checkpoint': 'bearing_twin_msgs/msg/Checkpoint',
-    'calibration': 'bearing_twin_msgs/msg/Calibration',
-    'envelope_spectrum': 'bearing_twin_msgs/msg/Spectrum',
-    'spectrum': 'bearing_twin_msgs/msg/Spectrum',
+    'temperature': TEMPERATURE,
+    'joint_states': JOINT_STATE,
+    'vibration': VIBRATION,
+    'twin_state': TWIN_STATE,
+    'twin_checkpoint': CHECKPOINT,
+    'diagnosis': DIAGNOSIS,
+    'diagnosis_checkpoint': CHECKPOINT,
+    'calibration': CALIBRATION,
+    'envelope_spectrum': SPECTRUM,
+    'spectrum': SPECTRUM,
     **{f'features/{name}': 'std_msgs/msg/Float64MultiArray' for name in FEATURES},
 }
 """Relative topic name and message type."""

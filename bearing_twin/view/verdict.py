@@ -19,17 +19,13 @@ from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
 from bearing_twin.quantity import signed
+from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_NONE, LEVEL_OK, LEVEL_SUSPECT
 from bearing_twin.stamps import stamp_ns, time_unit
 from bearing_twin.view.trends import recorded
 
 SUSTAINED = 3
 """Number of consecutive windows after which a verdict is sustained."""
-NO_LEVEL = 3
-"""Constant ``LEVEL_NONE`` of a Diagnosis."""
-OK, SUSPECT, FAULT = 0, 1, 2
-"""Constants ``LEVEL_OK``, ``LEVEL_SUSPECT`` and ``LEVEL_FAULT``."""
-RANKS: dict[float, int] = {NO_LEVEL: 0, OK: 1, 1: 2, FAULT: 3}
-"""Rank of the constants ``LEVEL_...``: none, ok, suspect, fault."""
+RANKS: dict[float, int] = {LEVEL_NONE: 0, LEVEL_OK: 1, LEVEL_SUSPECT: 2, LEVEL_FAULT: 3}
 RIVAL = 0.7
 """Fraction of the named family's significance from which another family is a rival."""
 CLOSE = 0.02
@@ -45,7 +41,7 @@ def title_of(diagnosis: Any) -> str:
         return f'{" and ".join(places)} fault'.capitalize()
     if result in ('suspect', 'ambiguous') and places:
         return f'{title}: {" or ".join(places)}'
-    if result == 'ambiguous' and diagnosis.level == FAULT:
+    if result == 'ambiguous' and diagnosis.level == LEVEL_FAULT:
         # Only the vibration level shows the fault, as with a worn-out bearing.
         return f'{title}: fault, place unknown'
     return title
@@ -95,7 +91,7 @@ def next_step(diagnosis: Any) -> str:
     """Return the recommended action for a verdict."""
     result = str(diagnosis.result_name)
     # If a place is named, its combs alone may have raised the level; the stage has the rest.
-    level = 'fault' if diagnosis.level == FAULT and result not in PLACES else ''
+    level = 'fault' if diagnosis.level == LEVEL_FAULT and result not in PLACES else ''
     rule = str(getattr(diagnosis, 'rule', ''))
     # A lasting rise raises a healthy answer too.
     by_level = _is_louder(diagnosis) or (rule in HEALTHY and result != 'healthy')
@@ -124,7 +120,7 @@ def _stage(diagnosis: Any) -> int:
 def confidence(diagnosis: Any) -> tuple[str, str]:
     """Return the confidence of a verdict and its claim; both '' if it makes no statement."""
     sure, faults = float(diagnosis.confidence), tuple(getattr(diagnosis, 'faults', ()))
-    level = 'suspect' if diagnosis.level == SUSPECT else ''
+    level = 'suspect' if diagnosis.level == LEVEL_SUSPECT else ''
     rule = str(getattr(diagnosis, 'rule', ''))
     kind = kind_of(str(diagnosis.result_name), level, faults, rule)
     if not sure > 0.0 or kind not in CLAIMS:
@@ -356,7 +352,7 @@ class Headline:
         end, shaft = '', ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
         if self.worst.best.result_name != self.last.result_name:
             end = title_of(self.last).lower()
-        elif recorded(self.last, 'window_level') == NO_LEVEL != self.last.level:
+        elif recorded(self.last, 'window_level') == LEVEL_NONE != self.last.level:
             end = 'held'
         return f'{end}{shaft}' if end else ''
 
@@ -382,7 +378,7 @@ def urgency(diagnosis: Any) -> tuple[int, int]:
     if not rank and recorded(diagnosis, 'window_result') == recorded(diagnosis, 'result'):
         alone = RANKS.get(recorded(diagnosis, 'window_level'), 0)
         # Part of a window can show a fault, but only a full one can show that there is none.
-        rank = alone if alone > RANKS[OK] else 0
+        rank = alone if alone > RANKS[LEVEL_OK] else 0
     return rank, _stage(diagnosis)
 
 

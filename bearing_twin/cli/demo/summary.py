@@ -20,11 +20,9 @@ from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.topics import LEVEL_FAULT
 from bearing_twin.streams.vibration_input import GapCounter
 from bearing_twin.view.verdict import impacts
-
-LEVEL_FAULT = 2
-"""``LEVEL_FAULT`` of ``Diagnosis.msg``."""
 
 
 @dataclass(frozen=True)

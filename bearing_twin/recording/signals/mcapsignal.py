@@ -11,6 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.topics import VIBRATION
 from bearing_twin.stamps import NANO, stamp_ns
 import numpy as np
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SINGLE: dict[str, Callable[[Any], Any]] = {
     'sensor_msgs/msg/Imu': lambda m: m.linear_acceleration,
     'geometry_msgs/msg/AccelStamped': lambda m: m.accel.linear,

@@ -10,6 +10,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording import topics
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.plainyaml import load_plain
@@ -167,13 +168,13 @@ class _Collector:
         self._chosen: dict[str, str] = {}
         self._next_state = -math.inf
         self._takers: dict[str, Callable[[float, Any], None]] = {
-            'bearing_twin_msgs/msg/Diagnosis': self._diagnosis,
-            'bearing_twin_msgs/msg/Checkpoint': self._checkpoint,
-            'bearing_twin_msgs/msg/Calibration': self._calibration,
-            'bearing_twin_msgs/msg/Spectrum': self._spectrum,
-            'bearing_twin_msgs/msg/TwinState': self._state,
-            'bearing_twin_msgs/msg/Vibration': self._vibration,
-            'sensor_msgs/msg/Temperature': self._measured,
+            topics.DIAGNOSIS: self._diagnosis,
+            topics.CHECKPOINT: self._checkpoint,
+            topics.CALIBRATION: self._calibration,
+            topics.SPECTRUM: self._spectrum,
+            topics.TWIN_STATE: self._state,
+            topics.VIBRATION: self._vibration,
+            topics.TEMPERATURE: self._measured,
         }
 
     def take(self, message: RecordedMessage, time: float) -> None:

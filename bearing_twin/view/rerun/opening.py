@@ -11,6 +11,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import store_from_text
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.schedule import is_undated
+from bearing_twin.recording.topics import CHECKPOINT, VIBRATION
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.pictures.scales import Scales
@@ -25,10 +26,7 @@ if TYPE_CHECKING:
 
 ARRIVAL = 'message_log_time'
 """Timeline that Rerun gives every message of an MCAP file."""
-VIBRATION = 'bearing_twin_msgs/msg/Vibration'
-LATCHED_TYPES = frozenset(
-    {'bearing_twin_msgs/msg/Checkpoint', 'rcl_interfaces/msg/Log', 'std_msgs/msg/String'}
-)
+LATCHED_TYPES = frozenset({CHECKPOINT, 'rcl_interfaces/msg/Log', 'std_msgs/msg/String'})
 """Message types that stay valid: they are drawn even if sent before the vibration."""
 OWN = frozenset(name for name in PICTURES if name.startswith('bearing_twin_msgs/'))
 SERIES = frozenset(

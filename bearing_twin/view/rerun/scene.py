@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.recording import topics
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.pictures.calibration import CalibrationPicture
 from bearing_twin.view.rerun.pictures.generic import AnyPicture
@@ -26,14 +27,14 @@ if TYPE_CHECKING:
 
 
 PICTURES: dict[str, type[Picture]] = {
-    'bearing_twin_msgs/msg/Vibration': Waveform,
-    'bearing_twin_msgs/msg/TwinState': TwinPicture,
-    'bearing_twin_msgs/msg/Diagnosis': VerdictPicture,
-    'bearing_twin_msgs/msg/Spectrum': SpectrumBars,
-    'bearing_twin_msgs/msg/Calibration': CalibrationPicture,
-    'bearing_twin_msgs/msg/Checkpoint': CheckpointPicture,
-    'sensor_msgs/msg/Temperature': TemperaturePicture,
-    'diagnostic_msgs/msg/DiagnosticArray': HealthPicture,
+    topics.VIBRATION: Waveform,
+    topics.TWIN_STATE: TwinPicture,
+    topics.DIAGNOSIS: VerdictPicture,
+    topics.SPECTRUM: SpectrumBars,
+    topics.CALIBRATION: CalibrationPicture,
+    topics.CHECKPOINT: CheckpointPicture,
+    topics.TEMPERATURE: TemperaturePicture,
+    topics.DIAGNOSTICS: HealthPicture,
     'rcl_interfaces/msg/Log': LogPicture,
     'std_msgs/msg/String': TextPicture,
 }

@@ -22,7 +22,8 @@ from bearing_twin.diagnosis.rules.table import (
     RULES,
     TELLS,
 )
-from bearing_twin.view.verdict import FAULT, next_step, NO_LEVEL, OK, SUSPECT
+from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_NONE, LEVEL_OK, LEVEL_SUSPECT
+from bearing_twin.view.verdict import next_step
 import numpy as np
 import pytest
 
@@ -275,12 +276,13 @@ def test_a_healthy_answer_with_a_weak_comb_asks_for_the_comparison_that_it_names
     clear = decide(CASES['faint_comb'][0])
     assert 'compare with an earlier record' in clear.reasons[1]
     message = SimpleNamespace(
-        result_name='healthy', rule='faint_comb', level=OK, faults=(), stage=0.0, shaft_hz=25.0,
-        shaft_hz_given=25.0, velocity_rms=math.nan, level_over_baseline=math.nan, iso_zone='',
+        result_name='healthy', rule='faint_comb', level=LEVEL_OK, faults=(), stage=0.0,
+        shaft_hz=25.0, shaft_hz_given=25.0, velocity_rms=math.nan,
+        level_over_baseline=math.nan, iso_zone='',
     )  # fmt: skip
     assert next_step(message) == 'Go on measuring, and compare with an earlier record.'
     # After a lasting rise the level is why it is suspect.
-    risen = SimpleNamespace(**vars(message) | {'result_name': 'suspect', 'level': SUSPECT})
+    risen = SimpleNamespace(**vars(message) | {'result_name': 'suspect', 'level': LEVEL_SUSPECT})
     assert next_step(risen) == next_step(SimpleNamespace(**vars(risen) | {'rule': 'no_comb'}))
 
 
@@ -292,8 +294,9 @@ def test_what_something_sound_explains_as_well_is_not_sure_and_orders_no_bearing
     clear = clear._replace(trust=sure)
     assert clear.confidence <= EVEN or CLAIMS[clear.kind].startswith('that something strikes')
     message = SimpleNamespace(
-        result_name=result, rule=name, level={'suspect': SUSPECT, 'fault': FAULT}[level],
-        faults=faults, stage=2.0 * (level == 'fault'), shaft_hz=25.0, shaft_hz_given=25.0,
+        result_name=result, rule=name, faults=faults,
+        level={'suspect': LEVEL_SUSPECT, 'fault': LEVEL_FAULT}[level],
+        stage=2.0 * (level == 'fault'), shaft_hz=25.0, shaft_hz_given=25.0,
         velocity_rms=math.nan, level_over_baseline=5.9, iso_zone='B',
     )  # fmt: skip
     assert next_step(message).casefold() == f'{TELLS[name]}.'.casefold()
@@ -310,7 +313,7 @@ def test_what_something_sound_explains_as_well_is_not_sure_and_orders_no_bearing
 @pytest.mark.parametrize('name', [name for name in TELLS if CASES[name][2] == 'none'])
 def test_what_shows_nothing_says_how_to_record_again(name):
     message = SimpleNamespace(
-        result_name='insufficient', rule=name, level=NO_LEVEL, faults=(), stage=math.nan,
+        result_name='insufficient', rule=name, level=LEVEL_NONE, faults=(), stage=math.nan,
         shaft_hz=25.0, shaft_hz_given=25.0, velocity_rms=math.nan, level_over_baseline=math.nan,
         iso_zone='',
     )  # fmt: skip
