@@ -22,26 +22,18 @@ from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.mcap.schema import other_version
 from bearing_twin.recording.reader import read_messages, recording_info
+from bearing_twin.recording.topics import CHECKPOINT, DIAGNOSIS, DIAGNOSTICS, TWIN_STATE, VIBRATION
 from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
 
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
-CHECKPOINT = 'bearing_twin_msgs/msg/Checkpoint'
-VIBRATION = 'bearing_twin_msgs/msg/Vibration'
-DIAGNOSTICS = 'diagnostic_msgs/msg/DiagnosticArray'
-TYPES = {
-    CHECKPOINT,
-    DIAGNOSTICS,
-    VIBRATION,
-    'bearing_twin_msgs/msg/TwinState',
-    'bearing_twin_msgs/msg/Diagnosis',
-}
+TYPES = {CHECKPOINT, DIAGNOSIS, DIAGNOSTICS, TWIN_STATE, VIBRATION}
 MOST_HELD = 128 * 1024 * 1024
 """Most bytes of messages that wait to be sorted."""
 AHEAD, BATCH = 200, 25
@@ -66,75 +58,11 @@ def reproduce(path: Path) -> Reproduction:
         msg = f'{path} holds no checkpoint of a twin or a diagnosis: there is nothing to re-run'
         raise BearingTwinError(msg)
     result = Reproduction(path)
-    early: dict[str, int] = {}
-    twins: dict[str, TwinCheck] = {}
-    sources: dict[str, TwinCheck] = {}
-    fleets: dict[str, FleetCheck] = {}
+    messages = _Messages(read_messages(path, topics=topics, problems=result.notes), result)
+    twins = _Twins(info.topics, result)
     diagnoses: dict[str, DiagnosisCheck] = {}
-    last: dict[str, bytes] = {}
-    twice: Counter[str] = Counter()
-
-    def twin_of(namespace: str) -> TwinCheck:
-        return twins.setdefault(namespace, TwinCheck(f'{namespace}/vibration', result))
-
-    def source_of(message: RecordedMessage) -> TwinCheck:
-        if message.topic not in sources:
-            namespace, _, name = message.topic.rpartition('/')
-            own = name == 'vibration' and getattr(message.decode(), 'source', 0) != SOURCE_MEASURED
-            sources[message.topic] = (
-                twin_of(namespace) if own else TwinCheck(message.topic, result)
-            )
-        return sources[message.topic]
-
-    def twin_of_state(namespace: str, state: Any) -> TwinCheck:
-        twin = twin_of(namespace)
-        if twin.has_block_of(state):
-            return twin
-        for topic, other in sources.items():
-            former = topic.removesuffix('/vibration')
-            if f'{former}/twin_state' not in info.topics and other.waits_for(state):
-                if sources.get(twin.topic) is twin:
-                    sources[twin.topic] = TwinCheck(twin.topic, result)
-                twin.take_over(other)
-                sources[topic] = twin
-                twins.pop(former, None)
-                break
-        return twin
-
-    def twins_again() -> Iterator[RecordedMessage]:
-        """Re-run the twins; yield all messages for the re-run of the diagnoses."""
-        messages = read_messages(path, topics=topics, problems=result.notes)
-        for message in _in_order_of_sending(messages):
-            if message.type_name == DIAGNOSTICS:
-                early.update(sent_before(message.decode()))
-                continue
-            if last.get(message.topic) == message.cdr:
-                # Each message has its own stamp, so an identical one is a duplicate.
-                twice[message.topic] += 1
-                continue
-            if message.topic not in last and (
-                other := other_version(message.type_name, message.channel.schema)
-            ):
-                result.notes.append(f'{message.topic}: {other}')
-            last[message.topic] = message.cdr
-            namespace, _, name = message.topic.rpartition('/')
-            with known_fields(message.topic, message.type_name):
-                if message.type_name == VIBRATION:
-                    source_of(message).vibration(message)
-                elif name == 'twin_state':
-                    state = message.decode()
-                    twin_of_state(namespace, state).state(state)
-                elif name == 'twin_checkpoint':
-                    twin_of(namespace).checkpoint(message.decode())
-                elif name == 'checkpoint' and message.type_name == CHECKPOINT:
-                    checkpoint = message.decode()
-                    node = str(checkpoint.node)
-                    fleet = fleets.setdefault(node, FleetCheck(node, result))
-                    fleet.checkpoint(checkpoint, twin_of)
-            yield message
-
     # Twins and diagnoses run in two threads: the compiled code of both releases the interpreter.
-    for message in ahead(twins_again(), depth=AHEAD, batch=BATCH):
+    for message in ahead(map(twins.take, messages), depth=AHEAD, batch=BATCH):
         namespace, _, name = message.topic.rpartition('/')
         diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(namespace, result))
         with known_fields(message.topic, message.type_name):
@@ -144,19 +72,121 @@ def reproduce(path: Path) -> Reproduction:
                 diagnosis.verdict(message)
             elif name == 'diagnosis_checkpoint':
                 diagnosis.checkpoint(message.decode())
-    for topic, count in sorted(early.items()):
-        result.notes.append(f'{topic}: {count} messages were sent before the recording')
-    for topic, count in sorted(twice.items()):
-        result.notes.append(f'{topic}: {count} messages are there twice')
-    for fleet in fleets.values():
-        fleet.finish()
-    for twin in dict.fromkeys((*twins.values(), *sources.values())):
-        twin.finish()
+    messages.finish()
+    twins.finish()
     for diagnosis in diagnoses.values():
         diagnosis.finish()
         result.notes += diagnosis.notes
     result.topics = {name: a for name, a in result.topics.items() if a != Agreement()}
     return result
+
+
+class _Messages:
+    """The messages of a recording in the order of sending, each once."""
+
+    def __init__(self, messages: Iterable[RecordedMessage], result: Reproduction) -> None:
+        self._messages = messages
+        self._result = result
+        self._early: dict[str, int] = {}
+        self._last: dict[str, bytes] = {}
+        self._twice: Counter[str] = Counter()
+
+    def __iter__(self) -> Iterator[RecordedMessage]:
+        """Yield the messages of twins and diagnoses; note those of another version."""
+        for message in _in_order_of_sending(self._messages):
+            topic, type_name = message.topic, message.type_name
+            if type_name == DIAGNOSTICS:
+                self._early.update(sent_before(message.decode()))
+                continue
+            if self._last.get(topic) == message.cdr:
+                # Each message has its own stamp, so an identical one is a duplicate.
+                self._twice[topic] += 1
+                continue
+            if topic not in self._last and (
+                other := other_version(type_name, message.channel.schema)
+            ):
+                self._result.notes.append(f'{topic}: {other}')
+            self._last[topic] = message.cdr
+            yield message
+
+    def finish(self) -> None:
+        """Note what the recording lacks, and what it has twice."""
+        for topic, count in sorted(self._early.items()):
+            self._result.notes.append(f'{topic}: {count} messages were sent before the recording')
+        for topic, count in sorted(self._twice.items()):
+            self._result.notes.append(f'{topic}: {count} messages are there twice')
+
+
+class _Twins:
+    """
+    Re-runs of all twins and fleets of a recording.
+
+    Vibration is assigned to the twin of its namespace; a topic with another name gets a re-run of
+    its own until a state shows to which twin it was remapped.
+    """
+
+    def __init__(self, topics: Collection[str], result: Reproduction) -> None:
+        self._topics = topics
+        self._result = result
+        self._twins: dict[str, TwinCheck] = {}
+        """By namespace."""
+        self._sources: dict[str, TwinCheck] = {}
+        """By topic of vibration."""
+        self._fleets: dict[str, FleetCheck] = {}
+        """By name of the node."""
+
+    def take(self, message: RecordedMessage) -> RecordedMessage:
+        """Re-run what a message completes; return the message."""
+        namespace, _, name = message.topic.rpartition('/')
+        with known_fields(message.topic, message.type_name):
+            if message.type_name == VIBRATION:
+                self._source(message).vibration(message)
+            elif name == 'twin_state':
+                state = message.decode()
+                self._twin_of_state(namespace, state).state(state)
+            elif name == 'twin_checkpoint':
+                self._twin(namespace).checkpoint(message.decode())
+            elif name == 'checkpoint' and message.type_name == CHECKPOINT:
+                checkpoint = message.decode()
+                node = str(checkpoint.node)
+                fleet = self._fleets.setdefault(node, FleetCheck(node, self._result))
+                fleet.checkpoint(checkpoint, self._twin)
+        return message
+
+    def finish(self) -> None:
+        """Re-run the waiting blocks."""
+        for fleet in self._fleets.values():
+            fleet.finish()
+        for twin in dict.fromkeys((*self._twins.values(), *self._sources.values())):
+            twin.finish()
+
+    def _twin(self, namespace: str) -> TwinCheck:
+        return self._twins.setdefault(namespace, TwinCheck(f'{namespace}/vibration', self._result))
+
+    def _source(self, message: RecordedMessage) -> TwinCheck:
+        """Return the re-run of a topic of vibration."""
+        topic = message.topic
+        if topic not in self._sources:
+            namespace, _, name = topic.rpartition('/')
+            own = name == 'vibration' and getattr(message.decode(), 'source', 0) != SOURCE_MEASURED
+            self._sources[topic] = self._twin(namespace) if own else TwinCheck(topic, self._result)
+        return self._sources[topic]
+
+    def _twin_of_state(self, namespace: str, state: Any) -> TwinCheck:
+        """Return the re-run of the twin of a namespace; find the topic of its vibration."""
+        twin = self._twin(namespace)
+        if twin.has_block_of(state):
+            return twin
+        for topic, other in self._sources.items():
+            former = topic.removesuffix('/vibration')
+            if f'{former}/twin_state' not in self._topics and other.waits_for(state):
+                if self._sources.get(twin.topic) is twin:
+                    self._sources[twin.topic] = TwinCheck(twin.topic, self._result)
+                twin.take_over(other)
+                self._sources[topic] = twin
+                self._twins.pop(former, None)
+                break
+        return twin
 
 
 def _in_order_of_sending(messages: Iterable[RecordedMessage]) -> Iterator[RecordedMessage]:
