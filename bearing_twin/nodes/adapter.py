@@ -14,7 +14,7 @@ from bearing_twin.assets.parameters.spec import fixed
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.topics.qos import OVERRIDES, own, SENSOR, STREAM
+from bearing_twin.ros.topics.qos import advertise, SENSOR, STREAM
 from bearing_twin.ros.topics.subscribing import subscribe, with_mismatch_reasons
 from bearing_twin.stamps import NANO, samples_ns, stamp_ns
 from bearing_twin.streams.samplerate import RateMeter, REFUSED
@@ -24,7 +24,7 @@ from bearing_twin.streams.sampling import (
     split_channels,
     StampTracker,
 )
-from bearing_twin.streams.vibration_input import SourceLock
+from bearing_twin.streams.vibration_input import SEVERAL_SOURCES, SILENT_AFTER, SourceLock
 from bearing_twin_msgs.msg import Vibration
 import numpy as np
 from sensor_msgs.msg import Imu
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from std_msgs.msg import MultiArrayLayout
 
 
-SILENT_AFTER = 2.0
 CROWDED_SHOWN = 10.0
 """Time for which stamps that were too near to each other are reported, s."""
 ARRAY = 'float32_multi_array'
@@ -102,9 +101,7 @@ class AdapterNode(ManagedNode):
         self._refused = 0
         self._arrived = self._crowded = math.nan
         self._until = 0
-        self._vibration = self.create_lifecycle_publisher(
-            Vibration, 'vibration', own(STREAM), qos_overriding_options=OVERRIDES
-        )
+        self._vibration = advertise(self, Vibration, 'vibration', STREAM)
         self.health = Health(self, p['hardware_id'] or self.get_namespace())
         self.health.add('accelerometer input', self._input_status)
 
@@ -250,45 +247,13 @@ class AdapterNode(ManagedNode):
         self.get_logger().warning(f'message refused: {problem}', throttle_duration_sec=10.0)
 
     def _input_status(self) -> Status:
-        age = time.monotonic() - self._arrived
-        rate = self._stamps.rate
-        wrong = self._meter.problem(rate) if rate else None
-        if math.isnan(age):
-            level, message = Level.STALE, 'no samples yet'
-            if self.active:
-                message = with_mismatch_reasons(self, self._input, message)
-        elif age > SILENT_AFTER:
-            level, message = Level.STALE, f'no samples for {age:.1f} s'
-        elif self._problem:
-            level, message = Level.ERROR, f'message refused: {self._problem}'
-        elif self._sources.contested(time.monotonic()):
-            level, message = Level.ERROR, 'several sources on one topic: only the first is used'
-        elif self._untimed and not self._builder.next_sample:
-            level = Level.WARN
-            message = 'samples without a stamp, and no /clock yet (use_sim_time): left out'
-        elif not rate:
-            level, message = Level.WARN, 'estimating the sample rate'
-        elif wrong and wrong.refused and not self._runs_at_another_rate():
-            level = Level.ERROR
-            message = (
-                f'{self._meter.rate:.5g} of {rate:.5g} samples a second arrive, others are lost'
-            )
-        elif wrong:
-            level, message = Level.ERROR if wrong.refused else Level.WARN, wrong.text
-        elif self._arrived - self._crowded < CROWDED_SHOWN:
-            level = Level.WARN
-            message = (
-                'stamps are late and then too near to each other, so that samples count as lost: '
-                'stamp them where the sensor is read, or send blocks (source float32_multi_array)'
-            )
-        else:
-            level, message = Level.OK, 'samples are fresh'
+        level, message = self._input_level()
         return Status(
             level,
             message,
             {
-                'age_s': age,
-                'sample_rate_hz': rate,
+                'age_s': time.monotonic() - self._arrived,
+                'sample_rate_hz': self._stamps.rate,
                 'sample_rate_measured_hz': self._meter.rate,
                 'samples_published': self._sent,
                 'samples_lost': self._lost,
@@ -298,6 +263,42 @@ class AdapterNode(ManagedNode):
                 'messages_of_other_sources': self._sources.ignored,
             },
         )
+
+    def _input_level(self) -> tuple[Level, str]:
+        """Return level and message of the input: those of the first problem, if any."""
+        now, rate = time.monotonic(), self._stamps.rate
+        age = now - self._arrived
+        if math.isnan(age):
+            text = 'no samples yet'
+            if self.active:
+                text = with_mismatch_reasons(self, self._input, text)
+            return Level.STALE, text
+        if age > SILENT_AFTER:
+            return Level.STALE, f'no samples for {age:.1f} s'
+        if self._problem:
+            return Level.ERROR, f'message refused: {self._problem}'
+        if self._sources.contested(now):
+            return Level.ERROR, SEVERAL_SOURCES
+        if self._untimed and not self._builder.next_sample:
+            return (
+                Level.WARN,
+                'samples without a stamp, and no /clock yet (use_sim_time): left out',
+            )
+        if not rate:
+            return Level.WARN, 'estimating the sample rate'
+        if wrong := self._meter.problem(rate):
+            if wrong.refused and not self._runs_at_another_rate():
+                return Level.ERROR, (
+                    f'{self._meter.rate:.5g} of {rate:.5g} samples a second arrive, others are '
+                    'lost'
+                )
+            return Level.ERROR if wrong.refused else Level.WARN, wrong.text
+        if self._arrived - self._crowded < CROWDED_SHOWN:
+            return Level.WARN, (
+                'stamps are late and then too near to each other, so that samples count as lost: '
+                'stamp them where the sensor is read, or send blocks (source float32_multi_array)'
+            )
+        return Level.OK, 'samples are fresh'
 
 
 def check_adapter(values: Mapping[str, Any]) -> None:

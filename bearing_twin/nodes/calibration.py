@@ -14,13 +14,18 @@ from bearing_twin.assets.calibration.task import fit_record
 from bearing_twin.assets.parameters.calibration import SPECS
 from bearing_twin.calibration.candidates.cloud import TEMPERATURE
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.nodes.diagnosis_topics import SILENT_AFTER
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
-from bearing_twin.ros.topics.qos import MEASUREMENT, OVERRIDES, own, RESULT, STREAM
+from bearing_twin.ros.topics.qos import advertise, MEASUREMENT, RESULT, STREAM
 from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe
 from bearing_twin.streams.statefile import StateFolder
-from bearing_twin.streams.vibration_input import Inputs, read_vibration, SourceLock
+from bearing_twin.streams.vibration_input import (
+    Inputs,
+    read_vibration,
+    SEVERAL_SOURCES,
+    SILENT_AFTER,
+    SourceLock,
+)
 from bearing_twin.streams.worker import Worker
 from bearing_twin.thermal.gate import TemperatureStatus
 from bearing_twin_msgs.msg import Calibration, Diagnosis, Vibration
@@ -72,9 +77,7 @@ class CalibrationNode(ManagedNode):
         self._state = self.states.kept(p.values, self.get_fully_qualified_name())
         self._state.load(self._core.load, wait=True)
         self._worker = Worker(fit_record, niceness=GENTLE)
-        self._out = self.create_lifecycle_publisher(
-            Calibration, 'calibration', own(RESULT), qos_overriding_options=OVERRIDES
-        )
+        self._out = advertise(self, Calibration, 'calibration', RESULT)
         self.offer('~/reset', self._forget)
         self.health = Health(self, p['hardware_id'] or self.get_namespace())
         self.health.add('calibration', self.status)
@@ -211,8 +214,7 @@ class CalibrationNode(ManagedNode):
         if problem := self._refused or self._problem or self._core.waiting:
             return Status(Level.WARN, f'not fitted: {problem}', values)
         if self._sources.contested(time.monotonic()):
-            text = 'several sources on one topic: only the first is used'
-            return Status(Level.ERROR, text, values)
+            return Status(Level.ERROR, SEVERAL_SOURCES, values)
         if problem := next(filter(None, self._inputs.problems()), ''):
             return Status(Level.WARN, problem, values)
         if problem := self._state.problem:

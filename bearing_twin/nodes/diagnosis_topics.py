@@ -15,9 +15,15 @@ from bearing_twin.bearing import PLACES, RESULTS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
-from bearing_twin.ros.topics.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, RESULT, STREAM
+from bearing_twin.ros.topics.qos import advertise, CHECKPOINT, MEASUREMENT, RESULT, STREAM
 from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe, with_mismatch_reasons
-from bearing_twin.streams.vibration_input import Inputs, Intake, read_vibration
+from bearing_twin.streams.vibration_input import (
+    Inputs,
+    Intake,
+    read_vibration,
+    SEVERAL_SOURCES,
+    SILENT_AFTER,
+)
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, Vibration
 from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
@@ -33,8 +39,6 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import Subscription
 
-
-SILENT_AFTER = 2.0
 
 VERDICT_LEVELS = {
     name: getattr(Diagnosis, f'LEVEL_{name.upper()}')
@@ -66,15 +70,9 @@ class DiagnosisTopics:
         # The state of a series, up to 1 MB, changes only once per cycle.
         period = max(p['checkpoint_period'], p['series_cycle'])
         self._checkpoints = Checkpoints('diagnosis', self._path, period)
-        self._verdict = node.create_lifecycle_publisher(
-            Diagnosis, f'{prefix}diagnosis', own(RESULT), qos_overriding_options=OVERRIDES
-        )
-        self._spectrum = node.create_lifecycle_publisher(
-            Spectrum, f'{prefix}spectrum', own(RESULT), qos_overriding_options=OVERRIDES
-        )
-        self._envelope = node.create_lifecycle_publisher(
-            Spectrum, f'{prefix}envelope_spectrum', own(RESULT), qos_overriding_options=OVERRIDES
-        )
+        self._verdict = advertise(node, Diagnosis, f'{prefix}diagnosis', RESULT)
+        self._spectrum = advertise(node, Spectrum, f'{prefix}spectrum', RESULT)
+        self._envelope = advertise(node, Spectrum, f'{prefix}envelope_spectrum', RESULT)
         # A fleet publishes no features: they would need further publishers for each asset, and
         # the Diagnosis contains them anyway.
         self._features = {
@@ -247,11 +245,8 @@ class DiagnosisTopics:
             return status
         text = status.message
         for each in self._inputs:
-            text = (
-                with_mismatch_reasons(self._node, each, text)
-                if each.msg_type is Vibration
-                else text
-            )
+            if each.msg_type is Vibration:
+                text = with_mismatch_reasons(self._node, each, text)
         return status._replace(message=text)
 
     def verdict_status(self) -> Status:
@@ -270,7 +265,7 @@ def input_status(intake: Intake, now: float, *problems: str) -> Status:
     elif intake.problem:
         level, message = Level.ERROR, f'block refused: {intake.problem}'
     elif intake.sources.contested(now):
-        level, message = Level.ERROR, 'several sources on one topic: only the first is used'
+        level, message = Level.ERROR, SEVERAL_SOURCES
     elif any(problems):
         level, message = Level.WARN, '; '.join(filter(None, problems))
     else:

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.twin_messages import TwinBytes
 from bearing_twin.ros.health import Level, Status
-from bearing_twin.ros.topics.qos import CHECKPOINT, MEASUREMENT, OVERRIDES, own, stream
+from bearing_twin.ros.topics.qos import advertise, CHECKPOINT, MEASUREMENT, stream
 from bearing_twin.ros.topics.subscribing import subscribe
 from bearing_twin.thermal.gate import PHYSICAL_LOW, TemperatureStatus
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
@@ -61,12 +61,8 @@ class TwinTopics:
         self.bytes = TwinBytes(serialize_message)
         self._condition: Condition | None = None
         qos = stream(schedule.period)
-        self.vibration = node.create_lifecycle_publisher(
-            Vibration, f'{prefix}vibration', own(qos), qos_overriding_options=OVERRIDES
-        )
-        self._state = node.create_lifecycle_publisher(
-            TwinState, f'{prefix}twin_state', own(qos), qos_overriding_options=OVERRIDES
-        )
+        self.vibration = advertise(node, Vibration, f'{prefix}vibration', qos)
+        self._state = advertise(node, TwinState, f'{prefix}twin_state', qos)
         if checkpoints:
             self._checkpoint = node.create_lifecycle_publisher(
                 Checkpoint, f'{prefix}twin_checkpoint', CHECKPOINT

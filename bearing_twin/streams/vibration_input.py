@@ -27,6 +27,10 @@ LOWEST_RATE = 100.0
 HIGHEST_RATE = 1_000_000.0
 LONGEST_BLOCK = 1_000_000
 HIGHEST_INDEX = 2**62
+SILENT_AFTER = 2.0
+"""Time without a block after which a source counts as silent, s."""
+SEVERAL_SOURCES = 'several sources on one topic: only the first is used'
+"""Status while a :class:`SourceLock` is contested."""
 SOURCE_UNKNOWN, SOURCE_MEASURED, SOURCE_SIMULATED = range(3)
 """Constants of a Vibration message."""
 
@@ -133,7 +137,7 @@ class SourceLock:
 
     """
 
-    def __init__(self, timeout: float = 2.0, remember: float = 5.0) -> None:
+    def __init__(self, timeout: float = SILENT_AFTER, remember: float = 5.0) -> None:
         self.timeout = timeout
         self.remember = remember
         self.ignored = 0

@@ -6,9 +6,15 @@ from __future__ import annotations
 
 import copy
 import math
+from typing import Any, TYPE_CHECKING
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
+
+if TYPE_CHECKING:
+    from rclpy.lifecycle import LifecycleNode
+    from rclpy.lifecycle.publisher import LifecyclePublisher
+
 
 HELD = 2.0
 """Duration of the blocks that a publisher keeps for subscribers that missed one, s."""
@@ -51,3 +57,12 @@ OVERRIDES = QoSOverridingOptions.with_default_policies()
 def own(profile: QoSProfile) -> QoSProfile:
     """Return a copy for one topic, because rclpy writes overrides into the given profile."""
     return copy.copy(profile)
+
+
+def advertise(
+    node: LifecycleNode, kind: type, topic: str, profile: QoSProfile
+) -> LifecyclePublisher[Any]:
+    """Create a lifecycle publisher whose QoS can be overridden by parameters."""
+    return node.create_lifecycle_publisher(
+        kind, topic, own(profile), qos_overriding_options=OVERRIDES
+    )
