@@ -79,24 +79,17 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
     if completing:
         # A shell asks for completions: the line so far is in the environment.
         arguments = os.environ.get('COMP_LINE', '').split()[1:]
-    parser = argparse.ArgumentParser(
-        prog='bearing-twin', description='Temperature-aware bearing twin and diagnosis.'
-    )
-    parser.add_argument('--version', action='version', version=f'%(prog)s {__version__}')
-    commands = parser.add_subparsers(dest='command', metavar='COMMAND')
-    chosen = next((word for word in arguments if not word.startswith('-')), None)
-    for name, text in COMMANDS.items():
-        sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + '.')
-        take_as_meant(sub)
-        if name == chosen:
-            try:
-                module = importlib.import_module(f'bearing_twin.cli.{name}')
-            except ImportError as error:
-                missing = "a library is missing or too old: 'pip install -r requirements.txt'"
-                print(f'bearing-twin {name}: {error}; {missing}', file=sys.stderr)
-                return 1
-            module.configure(sub)
-            sub.set_defaults(run=module.run, parser=sub)
+    parser, commands = _parsers()
+    chosen = next((word for word in arguments if not word.startswith('-')), '')
+    if chosen in commands:
+        try:
+            module = importlib.import_module(f'bearing_twin.cli.{chosen}')
+        except ImportError as error:
+            missing = "a library is missing or too old: 'pip install -r requirements.txt'"
+            print(f'bearing-twin {chosen}: {error}; {missing}', file=sys.stderr)
+            return 1
+        module.configure(commands[chosen])
+        commands[chosen].set_defaults(run=module.run, parser=commands[chosen])
     if completing:
         import argcomplete
 
@@ -115,6 +108,27 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         gc.set_threshold(20_000, 20, 20)
         # From here on an interrupt may lose work; nodes handle interrupts themselves.
         begin()
+    return _status(args)
+
+
+def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+    """Return the parser of the command, and that of each sub-command, still without arguments."""
+    parser = argparse.ArgumentParser(
+        prog='bearing-twin', description='Temperature-aware bearing twin and diagnosis.'
+    )
+    parser.add_argument('--version', action='version', version=f'%(prog)s {__version__}')
+    subparsers = parser.add_subparsers(dest='command', metavar='COMMAND')
+    commands = {
+        name: subparsers.add_parser(name, help=text, description=text[0].upper() + text[1:] + '.')
+        for name, text in COMMANDS.items()
+    }
+    for command in commands.values():
+        take_as_meant(command)
+    return parser, commands
+
+
+def _status(args: argparse.Namespace) -> int:
+    """Run a sub-command; return its exit status, after an error with the reason on stderr."""
     slow = threading.Timer(SLOW, report_compiling, [args.command])
     slow.daemon = True
     if args.command not in {'compile', 'demo', 'run'}:
