@@ -11,7 +11,7 @@ from pathlib import Path
 import shlex
 import shutil
 import sys
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.cli.demo.amplitude import AmplitudeByTemperature
@@ -23,6 +23,9 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.topics import LEVEL_FAULT
 from bearing_twin.streams.vibration_input import GapCounter
 from bearing_twin.view.verdict import impacts
+
+if TYPE_CHECKING:
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 
 @dataclass(frozen=True)
@@ -80,9 +83,9 @@ class Summary:
     def to_text(self) -> str:
         """Return the table."""
         found = self.result
-        if self.fault_hz == self.fault_hz:
+        if math.isfinite(self.fault_hz):
             found += f' at {self.fault_hz:.2f} Hz'
-            if self.fault_hz_twin == self.fault_hz_twin:
+            if math.isfinite(self.fault_hz_twin):
                 error = 100.0 * (self.fault_hz / self.fault_hz_twin - 1.0)
                 found += f', the twin with its slip {self.fault_hz_twin:.2f} Hz ({error:+.2f} %)'
             found += f', confidence {self.confidence:.2f}'
@@ -109,41 +112,66 @@ class Summary:
         return '\n'.join(lined_up(rows))
 
 
+class _Collected:
+    """What the messages of a run say."""
+
+    def __init__(self, defect: str) -> None:
+        self._places = defect.split('+')
+        self._takers = {
+            '/vibration': self._take_block,
+            '/twin_state': self._take_state,
+            '/diagnosis': self._take_verdict,
+            '/diagnostics': self._take_diagnostics,
+        }
+        self.low, self.high, self.worst = math.inf, -math.inf, 0.0
+        """Lowest and highest temperature, degC, and the largest lateness, s."""
+        self.state: Any = None
+        """The last TwinState."""
+        self.verdict: Any = None
+        """The last Diagnosis."""
+        self.verdicts: Counter[str] = Counter()
+        self.false_alarms = self.recorded = self.lost_by_diagnosis = 0
+        self.gaps = GapCounter()
+        self.amplitude = AmplitudeByTemperature()
+        self.early: dict[str, int] = {}
+
+    def take(self, message: RecordedMessage) -> None:
+        """Take one message of the recording."""
+        if taker := self._takers.get(message.topic):
+            taker(message.decode())
+
+    def _take_block(self, block: Any) -> None:
+        self.gaps.count(block.first_sample, block.y.size)
+        self.amplitude.add_vibration(block)
+        self.recorded += 1
+
+    def _take_state(self, state: Any) -> None:
+        self.state = state
+        self.amplitude.add_state(state)
+        self.low = min(self.low, state.temperature_used)
+        self.high = max(self.high, state.temperature_used)
+        self.worst = max(self.worst, state.lateness)
+
+    def _take_verdict(self, verdict: Any) -> None:
+        self.verdict = verdict
+        self.verdicts[verdict.result_name] += 1
+        alarm = verdict.level == LEVEL_FAULT and verdict.result_name in PLACES
+        self.false_alarms += alarm and verdict.result_name not in self._places
+
+    def _take_diagnostics(self, diagnostics: Any) -> None:
+        self.early |= sent_before(diagnostics)
+        for status in diagnostics.status:
+            for item in status.values:
+                if item.key == 'samples_lost':
+                    self.lost_by_diagnosis = int(item.value)
+
+
 def summarise(folder: Path, defect: str, preset: str) -> Summary:
     """Return the summary of a run; raise if it has no twin state or no verdict."""
-    low, high, worst = float('inf'), float('-inf'), 0.0
-    state: Any = None
-    verdict: Any = None
-    verdicts: Counter[str] = Counter()
-    recorded = false_alarms = 0
-    gaps = GapCounter()
-    amplitude = AmplitudeByTemperature()
-    lost_by_diagnosis = 0
-    early: dict[str, int] = {}
+    seen = _Collected(defect)
     for message in read_messages(folder / 'bag'):
-        if message.topic == '/vibration':
-            block = message.decode()
-            gaps.count(block.first_sample, block.y.size)
-            amplitude.add_vibration(block)
-            recorded += 1
-        elif message.topic == '/twin_state':
-            state = message.decode()
-            amplitude.add_state(state)
-            low = min(low, state.temperature_used)
-            high = max(high, state.temperature_used)
-            worst = max(worst, state.lateness)
-        elif message.topic == '/diagnosis':
-            verdict = message.decode()
-            verdicts[verdict.result_name] += 1
-            alarm = verdict.level == LEVEL_FAULT and verdict.result_name in PLACES
-            false_alarms += alarm and verdict.result_name not in defect.split('+')
-        elif message.topic == '/diagnostics':
-            diagnostics = message.decode()
-            early |= sent_before(diagnostics)
-            for status in diagnostics.status:
-                for item in status.values:
-                    if item.key == 'samples_lost':
-                        lost_by_diagnosis = int(item.value)
+        seen.take(message)
+    state, verdict, amplitude = seen.state, seen.verdict, seen.amplitude
     if state is None or verdict is None:
         missing = 'twin state' if state is None else 'verdict'
         msg = f'the recording in {folder / "bag"} holds no {missing}; see {folder / "logs"}'
@@ -156,27 +184,27 @@ def summarise(folder: Path, defect: str, preset: str) -> Summary:
         if path.suffix in ('.mcap', '.rrd', '.png')
     }
     return Summary(
-        temperature_low=low,
-        temperature_high=high,
+        temperature_low=seen.low,
+        temperature_high=seen.high,
         defect=defect,
         preset=preset,
         amplitude_by_temperature=amplitude.by_temperature(),
         amplitude_change=amplitude.change(),
         result=found,
-        verdicts=dict(verdicts),
-        false_alarms=false_alarms,
+        verdicts=dict(seen.verdicts),
+        false_alarms=seen.false_alarms,
         confidence=verdict.confidence,
         fault_hz=verdict.fault_hz,
         fault_hz_expected=verdict.fault_hz_expected,
         fault_hz_twin=impacts(state, found) if found in PLACES else math.nan,
         blocks_published=state.blocks_published,
-        blocks_recorded=recorded,
+        blocks_recorded=seen.recorded,
         blocks_late=state.blocks_late,
         blocks_dropped=state.blocks_dropped,
-        samples_lost_by_diagnosis=lost_by_diagnosis,
-        samples_lost_by_recorder=gaps.lost,
-        sent_before_recorder=sum(early.values()),
-        lateness_max_ms=worst * 1e3,
+        samples_lost_by_diagnosis=seen.lost_by_diagnosis,
+        samples_lost_by_recorder=seen.gaps.lost,
+        sent_before_recorder=sum(seen.early.values()),
+        lateness_max_ms=seen.worst * 1e3,
         files=files,
         open_with=f'{_command()} view {shlex.quote(str(folder))}',
     )
