@@ -60,17 +60,7 @@ def read_csv(path: Path) -> dict[str, Any]:
         If there are no columns of numbers, or if commas may be decimal commas or separators.
 
     """
-    try:
-        with path.open('rb') as file:
-            encoding = 'utf-16' if file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE) else 'utf-8-sig'
-        text = path.read_text(encoding=encoding, errors='replace')
-    except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror}'
-        raise BearingTwinError(msg) from None
-    # A comma in a quoted number is a decimal comma.
-    text = QUOTED.sub(lambda field: field[1].replace(',', '.'), text)
-    if AT_END.search(text[:100_000]):
-        text = AT_END.sub('', text)
+    text = _text(path)
     head = text[:100_000].splitlines()[:HEAD]
     start, separator = _first_numbers(head)
     if start < 0:
@@ -85,18 +75,9 @@ def read_csv(path: Path) -> dict[str, Any]:
         raise BearingTwinError(msg)
     table = _table(path, text, start, separator)
     names = _names(head[:start], separator, table.shape[1])
-    found: dict[str, Any] = {}
-    for line in head[:start]:
-        for key, value, prefix in SAID.findall(line):
-            name = 'fs' if key[0] in 'sS' else key.lower()
-            found[name] = _value(value, PREFIXES[prefix.lower()])
-        if unit := UNIT.search(line):
-            found['unit'] = np.array(unit[1])
+    found = _description(head[:start])
     for name, column in zip(names, table.T, strict=True):
-        time = TIME.match(name)
-        # A column T is a time only with a known unit and no digit: T or T_1 may be temperatures.
-        known = _seconds(name) > 0.0 and not re.search(r'\d', name)
-        if time and column.size > 1 and (len(time[0]) > 1 or known):
+        if column.size > 1 and _is_time(name):
             scale = _seconds(name)
             step = scale * _mean_step(column)
             if step > 0.0 and is_even(column):
@@ -107,6 +88,40 @@ def read_csv(path: Path) -> dict[str, Any]:
         else:
             found[name] = np.ascontiguousarray(column)
     return found
+
+
+def _text(path: Path) -> str:
+    """Return the text of a file without quotes around numbers and separators at line ends."""
+    try:
+        with path.open('rb') as file:
+            encoding = 'utf-16' if file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE) else 'utf-8-sig'
+        text = path.read_text(encoding=encoding, errors='replace')
+    except OSError as error:
+        msg = f'{path} cannot be read: {error.strerror}'
+        raise BearingTwinError(msg) from None
+    # A comma in a quoted number is a decimal comma.
+    text = QUOTED.sub(lambda field: field[1].replace(',', '.'), text)
+    return AT_END.sub('', text) if AT_END.search(text[:100_000]) else text
+
+
+def _description(lines: list[str]) -> dict[str, Any]:
+    """Return what the lines before the numbers say: ``fs``, ``rpm``, ``unit``, ..."""
+    found: dict[str, Any] = {}
+    for line in lines:
+        for key, value, prefix in SAID.findall(line):
+            name = 'fs' if key[0] in 'sS' else key.lower()
+            found[name] = _value(value, PREFIXES[prefix.lower()])
+        if unit := UNIT.search(line):
+            found['unit'] = np.array(unit[1])
+    return found
+
+
+def _is_time(heading: str) -> bool:
+    """Return whether a column is a time, by its heading."""
+    time = TIME.match(heading)
+    # A column T is a time only with a known unit and no digit: T or T_1 may be temperatures.
+    known = _seconds(heading) > 0.0 and not re.search(r'\d', heading)
+    return time is not None and (len(time[0]) > 1 or known)
 
 
 def _mean_step(column: NDArray[Any]) -> float:

@@ -274,24 +274,10 @@ def _candidates(numeric: Mapping[str, NDArray[Any]]) -> list[str]:
 def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
     """Return the chosen signal as ``x``, with the other arrays of the file as its description."""
     numeric = _numeric(arrays)
-    name, row = channel, ''
+    name, row = _asked(numeric, path, channel)
     others: list[str] = []
-    if channel is not None and channel not in numeric:
-        name, _, row = channel.rpartition(':')
-        if channel.isdecimal():
-            name, row = '', channel
-        elif not row.isdecimal():
-            name, row = channel, ''
-        name = _named(numeric, name, path) if name else name
     if not name:
-        candidates = _candidates(numeric)
-        # An evenly rising array is a counter or time: choose it only if there is no other.
-        free = [key for key in candidates if not is_even(numeric[key])] or candidates
-        longest = max(free, key=lambda key: numeric[key].size, default='')
-        name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
-        if name == longest and name:
-            size = numeric[name].size
-            others = [key for key in free if key != name and numeric[key].size == size]
+        name, others = _likeliest(numeric)
     if name not in numeric:
         held = ', '.join(list(numeric)[:10])
         msg = (
@@ -305,22 +291,55 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
     if x.ndim > 1 and max(x.shape) == x.size:
         x = x.ravel()
     if x.ndim == 2:
-        if not row:
-            msg = (
-                f'{path}: {name} has {x.shape[0]} rows of {x.shape[1]} samples; choose one of '
-                f"0..{x.shape[0] - 1} as channel, e.g. '{name}:0', or judge snapshots of one "
-                "machine with 'bearing-twin diagnose --series'"
-            )
-            raise BearingTwinError(msg)
-        index = _index(row, x.shape[0], f'{path}: row')
+        index = _row_index(x, path, name, row)
         x, where = x[index], f', {name} row {index}'
-    elif x.ndim > 2 or row:
+    elif x.ndim > 2:
+        msg = f'{path}: {name} has {x.ndim} dimensions; save each signal as a row of two'
+        raise BearingTwinError(msg)
+    elif row:
         msg = f'{path}: {name} has one axis of {x.size} samples: leave out the channel {row!r}'
-        if x.ndim > 2:
-            msg = f'{path}: {name} has {x.ndim} dimensions; save each signal as a row of two'
         raise BearingTwinError(msg)
     said = {key: value for key, value in arrays.items() if key != name}
     return {**said, 'x': x, 'where': where}
+
+
+def _asked(
+    numeric: Mapping[str, NDArray[Any]], path: Path, channel: str | None
+) -> tuple[str, str]:
+    """Return the names of array and row in ``NAME``, ``NAME:ROW`` or ``ROW``; '' for none."""
+    if channel is None or channel in numeric:
+        return channel or '', ''
+    if channel.isdecimal():
+        return '', channel
+    name, _, row = channel.rpartition(':')
+    if not row.isdecimal():
+        name, row = channel, ''
+    return _named(numeric, name, path) if name else '', row
+
+
+def _likeliest(numeric: Mapping[str, NDArray[Any]]) -> tuple[str, list[str]]:
+    """Return the name of the array that is most likely the vibration, and those as likely."""
+    candidates = _candidates(numeric)
+    # An evenly rising array is a counter or time: choose it only if there is no other.
+    free = [key for key in candidates if not is_even(numeric[key])] or candidates
+    longest = max(free, key=lambda key: numeric[key].size, default='')
+    name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
+    if not name or name != longest:
+        return name, []
+    size = numeric[name].size
+    return name, [key for key in free if key != name and numeric[key].size == size]
+
+
+def _row_index(x: NDArray[Any], path: Path, name: str, row: str) -> int:
+    """Return the index of a row of a table; raise if none is named or there is no such row."""
+    if not row:
+        msg = (
+            f'{path}: {name} has {x.shape[0]} rows of {x.shape[1]} samples; choose one of '
+            f"0..{x.shape[0] - 1} as channel, e.g. '{name}:0', or judge snapshots of one "
+            "machine with 'bearing-twin diagnose --series'"
+        )
+        raise BearingTwinError(msg)
+    return _index(row, x.shape[0], f'{path}: row')
 
 
 def _index(text: str, count: int, what: str) -> int:
