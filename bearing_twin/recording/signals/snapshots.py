@@ -42,15 +42,22 @@ class Snapshot:
 
 
 @dataclass(frozen=True)
-class _Temperatures:
-    times: NDArray[np.float64]
-    values: NDArray[np.float64]
+class _Stated:
+    """What the files of a series say of times and temperatures."""
 
-    def at(self, time: float) -> float:
+    times: dict[Path, NDArray[np.float64]]
+    """Times of the snapshots of a file, s."""
+    complete: bool
+    """Whether every file with snapshots has times."""
+    heat_times: NDArray[np.float64]
+    """Times of the temperatures, s, rising, shape (n,)."""
+    heat: NDArray[np.float64]
+    """Temperatures, degC, shape (n,)."""
+
+    def temperature(self, time: float) -> float:
         """Return the temperature at a time, degC; NaN outside the recorded times."""
-        if not len(self.times) or not self.times[0] <= time <= self.times[-1]:
-            return math.nan
-        return float(np.interp(time, self.times, self.values))
+        known = len(self.heat) and self.heat_times[0] <= time <= self.heat_times[-1]
+        return float(np.interp(time, self.heat_times, self.heat)) if known else math.nan
 
 
 def series_files(paths: Sequence[Path]) -> list[Path]:
@@ -111,35 +118,12 @@ def read_snapshots(
     '2004-02-12 10:32:39+00:00'
 
     """
-    times, values = [], []
-    tables: dict[Path, NDArray[np.float64]] = {}
-    timed = True
-    for path in files:
-        said: dict[str, Any] = {}
-        try:
-            if path.suffix.lower() == '.npz':
-                said = read_npz(path, ('temp_t_s', 'temp_C', 't_s', 'time_s'))
-            elif path.suffix.lower() == '.mcap' and cycle is None:
-                said = {'time_s': recording_info(path).start / NANO}
-        except BearingTwinError:
-            # The error is reported when the file is read for its snapshots.
-            continue
-        if 'temp_t_s' in said and 'temp_C' in said:
-            times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
-            values.append(np.asarray(said['temp_C'], dtype=np.float64))
-        stamps = said.get('t_s', said.get('time_s'))
-        if stamps is None and cycle is None:
-            stamps = _named_time(path.name)
-        if stamps is not None:
-            tables[path] = np.atleast_1d(np.asarray(stamps, dtype=np.float64))
-        elif 'temp_C' not in said:
-            timed = False
-    if timed:
-        files = sorted(files, key=lambda path: min(tables.get(path, ()), default=-math.inf))
-    heat = _Temperatures(*_merged(times, values))
+    stated = _stated(files, cycle)
+    if stated.complete:
+        files = sorted(files, key=lambda path: min(stated.times.get(path, ()), default=-math.inf))
     number = 0
     for path in files:
-        signals = _of_file(path, tables.get(path), channel, sample_rate)
+        signals = _of_file(path, stated.times.get(path), channel, sample_rate)
         while True:
             try:
                 signal, stamp = next(signals)
@@ -156,11 +140,39 @@ def read_snapshots(
                 raise BearingTwinError(msg)
             time = number * (cycle or 0.0) if stamp is None else stamp
             number += 1
-            known = signal.temperature
-            yield Snapshot(
-                time,
-                signal if math.isfinite(known) else replace(signal, temperature=heat.at(time)),
-            )
+            if not math.isfinite(signal.temperature):
+                signal = replace(signal, temperature=stated.temperature(time))
+            yield Snapshot(time, signal)
+
+
+def _stated(files: Sequence[Path], cycle: float | None) -> _Stated:
+    """Read the times and temperatures of a series, without its samples."""
+    times: dict[Path, NDArray[np.float64]] = {}
+    complete = True
+    heat_times, heat = [np.zeros(0)], [np.zeros(0)]
+    for path in files:
+        said: dict[str, Any] = {}
+        try:
+            if path.suffix.lower() == '.npz':
+                said = read_npz(path, ('temp_t_s', 'temp_C', 't_s', 'time_s'))
+            elif path.suffix.lower() == '.mcap' and cycle is None:
+                said = {'time_s': recording_info(path).start / NANO}
+        except BearingTwinError:
+            # The error is reported when the file is read for its snapshots.
+            continue
+        if 'temp_t_s' in said and 'temp_C' in said:
+            heat_times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
+            heat.append(np.asarray(said['temp_C'], dtype=np.float64))
+        stamps = said.get('t_s', said.get('time_s'))
+        if stamps is None and cycle is None:
+            stamps = _named_time(path.name)
+        if stamps is not None:
+            times[path] = np.atleast_1d(np.asarray(stamps, dtype=np.float64))
+        elif 'temp_C' not in said:
+            complete = False
+    when = np.concatenate(heat_times)
+    order = np.argsort(when, kind='stable')
+    return _Stated(times, complete, when[order], np.concatenate(heat)[order])
 
 
 def _named_time(name: str) -> float | None:
@@ -207,13 +219,3 @@ def _of_dataset(path: Path, channel: str | None) -> list[tuple[str, float | None
         raise BearingTwinError(msg)
     signals = [(str(row['signal_id']), row.get('time_s')) for row in rows]
     return sorted(signals, key=lambda signal: signal[1] or 0.0)
-
-
-def _merged(
-    times: list[NDArray[np.float64]], values: list[NDArray[np.float64]]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    if not times:
-        return np.zeros(0), np.zeros(0)
-    when, what = np.concatenate(times), np.concatenate(values)
-    order = np.argsort(when, kind='stable')
-    return when[order], what[order]
