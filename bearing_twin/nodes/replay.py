@@ -78,11 +78,31 @@ class ReplayNode(ManagedNode):
     def setup(self) -> None:
         """Open the recording; create publishers and services."""
         p = self.parameters
+        self._player = self._open()
+        for problem in self._player.info.problems:
+            self.get_logger().warning(shown(f'not everything can be played: {problem}'))
+        self._topics: dict[str, Publisher[Any]] = {}
+        self._left_out: dict[str, str] = {}
+        self._make_publishers(self._player.topics())
+        self._clock_publisher = (
+            self.create_publisher(Clock, '/clock', RESULT) if p['clock_rate'] else None
+        )
+        self.offer('~/pause', partial(self._set_paused, paused=True))
+        self.offer('~/resume', partial(self._set_paused, paused=False))
+        self.offer('~/step', self._step)
+        self._wake = threading.Condition()
+        self._running = False
+        self._problem = ''
+        self.health = Health(self, self.get_namespace())
+        self.health.add('replay', self._status)
+
+    def _open(self) -> Player:
+        p = self.parameters
         if not p['recording']:
             msg = "parameter recording is empty; give it: '-p recording:=FILE'"
             raise BearingTwinError(msg)
         topics = [topic for topic in p['topics'] if topic]
-        self._player = Player(
+        return Player(
             Path(p['recording']),
             start_offset=p['start_offset'],
             duration=p['duration'] or math.inf,
@@ -91,16 +111,15 @@ class ReplayNode(ManagedNode):
             loop=p['loop'],
             paused=p['start_paused'],
         )
-        for problem in self._player.info.problems:
-            self.get_logger().warning(shown(f'not everything can be played: {problem}'))
-        played = self._player.topics()
+
+    def _make_publishers(self, played: Mapping[str, TopicInfo]) -> None:
+        """Create a publisher for each topic; those that cannot be published are left out."""
+        p = self.parameters
         names = {
             recorded: self.resolve_topic_name(new)
             for recorded, new in remapping(p['remap']).items()
         }
         check_remapping(names, {name: topic.type_name for name, topic in played.items()})
-        self._topics: dict[str, Publisher[Any]] = {}
-        self._left_out: dict[str, str] = {}
         for name, topic in played.items():
             if p['clock_rate'] and name == '/clock':
                 continue
@@ -113,17 +132,6 @@ class ReplayNode(ManagedNode):
                 # Other recorders accept topic names that are invalid in ROS.
                 self._left_out[name] = str(error)
                 self.get_logger().error(shown(f'{name} is left out: {error}'))
-        self._clock_publisher = (
-            self.create_publisher(Clock, '/clock', RESULT) if p['clock_rate'] else None
-        )
-        self.offer('~/pause', partial(self._set_paused, paused=True))
-        self.offer('~/resume', partial(self._set_paused, paused=False))
-        self.offer('~/step', self._step)
-        self._wake = threading.Condition()
-        self._running = False
-        self._problem = ''
-        self.health = Health(self, self.get_namespace())
-        self.health.add('replay', self._status)
 
     def start(self) -> None:
         """Start the thread that plays."""

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from pathlib import Path
 
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.mcap.mcapfile import RawRecord
     from bearing_twin.recording.writer import RecordingWriter
 
@@ -76,6 +77,14 @@ class RecoveryReport:
     def duration(self) -> float:
         """Time saved, s."""
         return (self.end - self.start) / NANO
+
+    def keep(self, message: RecordedMessage) -> None:
+        """Add a saved message."""
+        time = message.log_time
+        self.start = min(self.start, time) if self.kept else time
+        self.end = max(self.end, time)
+        self.kept += 1
+        self.topics[message.topic] = self.topics.get(message.topic, 0) + 1
 
     def lose(self, text: str, octets: int) -> None:
         """Add a loss of so many bytes (``octets``)."""
@@ -221,11 +230,7 @@ def _copy(
                 continue
             if writer.problem:
                 raise BearingTwinError(writer.problem)
-            first = not report.kept
-            report.kept += 1
-            report.topics[channel.topic] = report.topics.get(channel.topic, 0) + 1
-            report.start = message.log_time if first else min(report.start, message.log_time)
-            report.end = max(report.end, message.log_time)
+            report.keep(message)
         for channel, (messages, octets) in foreign.items():
             text = f'{channel.topic}: {messages} messages are encoded as {channel.encoding!r}'
             damaged(BrokenRecording(f'{text}, not as cdr', size, octets))
