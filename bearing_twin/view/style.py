@@ -36,25 +36,6 @@ class State(NamedTuple):
 
 
 # All colours have medium lightness, to be distinct on dark and on light backgrounds.
-def labelled_power(top: float, part: float) -> float:
-    """
-    Return the power of ten that an axis up to ``top`` must include to have a number beside 0.
-
-    The viewer numbers each tenth of a power of ten on an axis up to ``part`` of that power, and
-    only the power itself on a longer one. 0 means that the axis need not include more.
-
-    Examples
-    --------
-    >>> labelled_power(85.0, 0.6), labelled_power(55.0, 0.6), labelled_power(0.0, 0.6)
-    (100.0, 0.0, 0.0)
-
-    """
-    if not 0.0 < top < math.inf:
-        return 0.0
-    power: float = 10.0 ** math.ceil(math.log10(top) - 1e-9)
-    return power if top > part * power else 0.0
-
-
 FAMILIES = (
     Family('inner', 'BPFI', (229, 57, 53)),
     Family('outer', 'BPFO', (30, 136, 229)),
@@ -76,6 +57,25 @@ States by the constants of Diagnosis.result. A fault has the colour of its lines
 
 Green is healthy, grey is no verdict, all others need attention.
 """
+
+
+def labelled_power(top: float, part: float) -> float:
+    """
+    Return the power of ten that an axis up to ``top`` must include to have a number beside 0.
+
+    The viewer numbers each tenth of a power of ten on an axis up to ``part`` of that power, and
+    only the power itself on a longer one. 0 means that the axis need not include more.
+
+    Examples
+    --------
+    >>> labelled_power(85.0, 0.6), labelled_power(55.0, 0.6), labelled_power(0.0, 0.6)
+    (100.0, 0.0, 0.0)
+
+    """
+    if not 0.0 < top < math.inf:
+        return 0.0
+    power: float = 10.0 ** math.ceil(math.log10(top) - 1e-9)
+    return power if top > part * power else 0.0
 
 
 def ink(ground: Colour) -> str:

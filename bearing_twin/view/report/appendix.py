@@ -18,7 +18,7 @@ from bearing_twin.view.report.html import table
 from bearing_twin.view.verdict import number
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from bearing_twin.recording.health import RecordingHealth
     from bearing_twin.recording.reader import RecordingInfo
@@ -62,10 +62,9 @@ TERMS = (
 
 
 def appendix(
-    info: RecordingInfo, health: RecordingHealth, machines: Iterable[Machine]
+    info: RecordingInfo, health: RecordingHealth, machines: Sequence[Machine]
 ) -> list[str]:
     """Return the appendix as HTML."""
-    machines = list(machines)
     return [
         *_parameters(info, machines),
         *_health(info, health, machines),
@@ -92,7 +91,7 @@ def off_default(kind: str, values: Any) -> list[tuple[str, str]]:
     return rows
 
 
-def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
+def _parameters(info: RecordingInfo, machines: Sequence[Machine]) -> list[str]:
     nodes, parts, known = {}, [], set()
     for machine in machines:
         for node, (kind, values) in sorted(machine.parameters.items()):
@@ -123,9 +122,8 @@ def _parameters(info: RecordingInfo, machines: list[Machine]) -> list[str]:
 
 
 def _health(
-    info: RecordingInfo, health: RecordingHealth, machines: Iterable[Machine]
+    info: RecordingInfo, health: RecordingHealth, machines: Sequence[Machine]
 ) -> list[str]:
-    machines = list(machines)
     unread = [
         f'{topic}: {count} messages cannot be read ({reason})'
         for machine in machines

@@ -103,9 +103,7 @@ class Picture:
 class Trends:
     """Draw the quantities of ``panels`` over time, a block of messages at once."""
 
-    def __init__(
-        self, canvas: Canvas, asset: Asset, panels: Sequence[Panel], low: float = LOW
-    ) -> None:
+    def __init__(self, canvas: Canvas, asset: Asset, panels: Sequence[Panel], low: float) -> None:
         self._canvas = canvas
         self._low = low
         self._asset = asset
