@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.signals.npz import read_npz
+from bearing_twin.recording.signals.npz import read_npz, temperature_readings
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO, split_ns
@@ -88,11 +88,9 @@ def load_trend(
     if missing:
         msg = f'{path} has no array {" and no ".join(sorted(missing))}; both are needed (s, degC)'
         raise BearingTwinError(msg)
-    times, temperatures = (
-        np.asarray(arrays[key], dtype=np.float64).ravel() for key in ('temp_t_s', 'temp_C')
-    )
-    if times.size != temperatures.size or times.size < 2:
-        msg = f'{path}: temp_t_s has {times.size} values and temp_C has {temperatures.size}'
+    times, temperatures = temperature_readings(path, arrays)
+    if times.size < 2:
+        msg = f'{path}: temp_t_s has {times.size} values; at least two are needed'
         raise BearingTwinError(msg)
     if not np.all(np.isfinite(times)) or np.any(np.diff(times) < 0):
         msg = f'{path}: temp_t_s does not rise'

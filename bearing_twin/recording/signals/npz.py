@@ -9,12 +9,15 @@ from typing import Any, IO, TYPE_CHECKING
 import zipfile
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_numbers
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
     from pathlib import Path
+
+    from numpy.typing import NDArray
 
 
 MOST_UNPACKED = 1024 * 1024 * 1024
@@ -58,6 +61,27 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
         msg = f'{path} cannot be read as .npz ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
     return arrays
+
+
+def temperature_readings(
+    path: Path, arrays: Mapping[str, Any]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """
+    Return times ``temp_t_s`` (s) and temperatures ``temp_C`` (degC) of a file, shape (n,) each.
+
+    Raises
+    ------
+    BearingTwinError
+        If they are no real numbers, or not as many.
+
+    """
+    times, temperatures = (
+        real_numbers(f'{path}: {name}', arrays[name]).ravel() for name in ('temp_t_s', 'temp_C')
+    )
+    if times.size != temperatures.size:
+        msg = f'{path}: temp_t_s has {times.size} values and temp_C has {temperatures.size}'
+        raise BearingTwinError(msg)
+    return times, temperatures
 
 
 def _read_array(file: IO[bytes], size: int, room: int, what: str) -> Any:

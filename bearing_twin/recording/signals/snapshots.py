@@ -11,11 +11,12 @@ import re
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.given import real_numbers
 from bearing_twin.recording.finding import natural, SIGNAL_FILES
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.signals.foreign import read_signal, Signal
-from bearing_twin.recording.signals.npz import read_npz
+from bearing_twin.recording.signals.npz import read_npz, temperature_readings
 from bearing_twin.stamps import NANO
 import numpy as np
 
@@ -108,7 +109,8 @@ def read_snapshots(
     Raises
     ------
     BearingTwinError
-        If a file cannot be read, or the time of a snapshot is unknown.
+        If a file cannot be read, the time of a snapshot is unknown, or times and temperatures are
+        no numbers or not as many.
 
     Examples
     --------
@@ -161,13 +163,14 @@ def _stated(files: Sequence[Path], cycle: float | None) -> _Stated:
             # The error is reported when the file is read for its snapshots.
             continue
         if 'temp_t_s' in said and 'temp_C' in said:
-            heat_times.append(np.asarray(said['temp_t_s'], dtype=np.float64))
-            heat.append(np.asarray(said['temp_C'], dtype=np.float64))
+            readings = temperature_readings(path, said)
+            heat_times.append(readings[0])
+            heat.append(readings[1])
         stamps = said.get('t_s', said.get('time_s'))
         if stamps is None and cycle is None:
             stamps = _named_time(path.name)
         if stamps is not None:
-            times[path] = np.atleast_1d(np.asarray(stamps, dtype=np.float64))
+            times[path] = np.atleast_1d(real_numbers(f'{path}: its time', stamps))
         elif 'temp_C' not in said:
             complete = False
     when = np.concatenate(heat_times)

@@ -183,3 +183,17 @@ def test_times_in_the_names_of_files(tmp_path):
     assert [snap.time for snap in read_snapshots(files, cycle=5.0)] == [0.0, 5.0, 10.0, 15.0]
     with pytest.raises(BearingTwinError, match=r'02\.30.*does not say when'):
         list(read_snapshots(files))
+
+
+@pytest.mark.parametrize(
+    ('said', 'reason'),
+    [
+        ({'time_s': 'soon'}, "its time holds <U4, e.g. 'soon'"),
+        ({'temp_t_s': np.arange(4.0), 'temp_C': np.arange(3.0)}, 'has 4 values and temp_C has 3'),
+        ({'temp_t_s': ['a', 'b'], 'temp_C': np.arange(2.0)}, "temp_t_s holds <U1, e.g. 'a'"),
+    ],
+)
+def test_times_and_temperatures_are_numbers_in_pairs(tmp_path, said, reason):
+    np.savez(tmp_path / 'a.npz', x=np.arange(200.0) % 4, fs=1000.0, **said)
+    with pytest.raises(BearingTwinError, match=reason):
+        list(read_snapshots([tmp_path / 'a.npz'], cycle=5.0))
