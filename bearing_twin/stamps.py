@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Convert times: ROS stamps, seconds, numbers of samples, display units. Imports no ROS."""
+"""Convert times: ROS stamps, seconds, numbers of samples, display units."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Schedule the messages of a recording: rate, loop, section, pause, step. Imports no ROS."""
+"""Schedule the messages of a recording: rate, loop, section, pause, step."""
 
 from __future__ import annotations
 

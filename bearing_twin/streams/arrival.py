@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Times of arrival of received messages, and counts of lost ones. Imports no ROS."""
+"""Times of arrival of received messages, and counts of lost ones."""
 
 from __future__ import annotations
 

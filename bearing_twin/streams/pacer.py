@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Absolute deadlines for blocks of samples, and the policy for late blocks. Imports no ROS."""
+"""Absolute deadlines for blocks of samples, and the policy for late blocks."""
 
 from __future__ import annotations
 

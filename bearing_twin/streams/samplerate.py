@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Measurement of the actual sample rate from the stamps. Imports no ROS."""
+"""Measurement of the actual sample rate from the stamps."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Incoming samples to blocks with a running index: gaps, rates, channels. Imports no ROS."""
+"""Incoming samples to blocks with a running index: gaps, rates, channels."""
 
 from __future__ import annotations
 

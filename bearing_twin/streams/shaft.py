@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Shaft speed from joint_states or from a parameter. Imports no ROS."""
+"""Shaft speed from joint_states or from a parameter."""
 
 from __future__ import annotations
 

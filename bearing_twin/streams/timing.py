@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Periodicity and execution time of a cycle, as in controller_manager. Imports no ROS."""
+"""Periodicity and execution time of a cycle, as in controller_manager."""
 
 from __future__ import annotations
 
