@@ -86,7 +86,7 @@ def _state(asset: Asset) -> tuple[Any, Any] | None:
     """Return folder and name of the saved state of a diagnosis; None if none is saved."""
     values = asset.diagnosis or {}
     name = values.get('state_name')
-    return (values.get('state_directory'), name) if name else None
+    return (values.get('state_directory') or '', name) if name else None
 
 
 class _EachOnce(yaml.SafeLoader):

@@ -334,12 +334,15 @@ def test_what_no_diagnosis_can_do_is_refused_with_the_parameters(given, why):
         check_diagnosis(values)
 
 
-def test_two_assets_do_not_share_a_state(tmp_path):
+@pytest.mark.parametrize('folder', ['', ", state_directory: ''"])
+def test_two_assets_do_not_share_a_state(tmp_path, folder):
     from bearing_twin.assets.fleet import read_assets
 
     path = tmp_path / 'assets.yaml'
-    part = 'diagnosis: {state_name: fan}'
-    path.write_text(f'assets:\n  a: {{{part}}}\n  b: {{{part}}}\n')
+    parts = (
+        f'a: {{diagnosis: {{state_name: fan}}}}\n  b: {{diagnosis: {{state_name: fan{folder}}}}}'
+    )
+    path.write_text(f'assets:\n  {parts}\n')
     with pytest.raises(BearingTwinError, match='a and b have one state_name'):
         read_assets(str(path), [])
 
