@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
+from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.messages import diagnosis_message, spectrum_message
 from bearing_twin.assets.parameters.diagnosis import (
     build_bearing,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
     from bearing_twin.diagnosis.streaming import StreamingDiagnoser
     from bearing_twin.streams.vibration_input import VibrationBlock
-    from bearing_twin_msgs.msg import Diagnosis, Spectrum
+    from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum
 
 
 class Verdict(NamedTuple):
@@ -67,10 +68,17 @@ class DueVerdict:
 
 
 class DiagnosisCore:
-    """Diagnosis with given parameters."""
+    """
+    Diagnosis with given parameters.
 
-    def __init__(self, values: Mapping[str, object]) -> None:
+    ``node`` is the full name of the node; it is stored in checkpoints.
+    """
+
+    def __init__(self, values: Mapping[str, Any], node: str = '/diagnosis') -> None:
         self.diagnoser = build_diagnoser(values)
+        # The state of a series, up to 1 MB, changes only once per cycle.
+        period = max(values['checkpoint_period'], values['series_cycle'])
+        self._checkpoints = Checkpoints('diagnosis', node, period)
         self._axis = values['axis']
         self.nominal_hz = nominal_speed(values)
         """Shaft speed by parameter, used if none is measured, Hz; NaN if it is not set."""
@@ -83,13 +91,32 @@ class DiagnosisCore:
         """Bearing in use."""
         return self.diagnoser.bearing
 
-    def reconfigure(self, values: Mapping[str, object]) -> None:
+    def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Apply changed parameters; a new window begins, the baseline stays."""
+        self.ask_checkpoint()
         self.nominal_hz = nominal_speed(values)
         settings = build_settings(values)
         if bool(settings.series_cycle) != bool(self.diagnoser.settings.series_cycle):
             self.diagnoser = build_diagnoser(values)
         self.diagnoser.reconfigure(build_bearing(values), settings)
+
+    def ask_checkpoint(self) -> None:
+        """Request a checkpoint before the next block."""
+        self._checkpoints.ask()
+
+    def needs_checkpoint(self, block: VibrationBlock) -> bool:
+        """Return whether a checkpoint is due before a block."""
+        return self._checkpoints.is_due(block.first_sample)
+
+    def checkpoint(self, block: VibrationBlock, configuration: str) -> Checkpoint:
+        """Return the checkpoint before a block; ``configuration`` holds the parameters (YAML)."""
+        return self._checkpoints.make(
+            block.first_sample,
+            stamp=block.stamp,
+            sample_rate=block.sample_rate,
+            configuration=configuration,
+            state=self.diagnoser.save(),
+        )
 
     def admit(self, block: VibrationBlock) -> None:
         """

@@ -8,7 +8,6 @@ from collections import deque
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.checkpoints import Checkpoints
 from bearing_twin.assets.diagnosis import DiagnosisCore
 from bearing_twin.assets.messages import features_messages
 from bearing_twin.bearing import PLACES, RESULTS
@@ -62,14 +61,11 @@ class DiagnosisTopics:
         self._path = node.get_fully_qualified_name()
         if prefix:
             self._path = f'{node.get_namespace().rstrip("/")}/{prefix}diagnosis'
-        self._core = DiagnosisCore(p.values)
+        self._core = DiagnosisCore(p.values, self._path)
         self._due: deque[DueVerdict] = deque()
         self._measured = Inputs(receiver_clock(node), joint=p['joint'])
         self._intake = Intake()
         self._latest: DiagnosisResult | None = None
-        # The state of a series, up to 1 MB, changes only once per cycle.
-        period = max(p['checkpoint_period'], p['series_cycle'])
-        self._checkpoints = Checkpoints('diagnosis', self._path, period)
         self._verdict = advertise(node, Diagnosis, f'{prefix}diagnosis', RESULT)
         self._spectrum = advertise(node, Spectrum, f'{prefix}spectrum', RESULT)
         self._envelope = advertise(node, Spectrum, f'{prefix}envelope_spectrum', RESULT)
@@ -118,8 +114,7 @@ class DiagnosisTopics:
     def reset(self) -> Awaitable[str]:
         """Restart window, baseline and trend; return the answer of the service, to await."""
         self._due.clear()
-        self._core = DiagnosisCore(self.parameters.values)
-        self._checkpoints.ask()
+        self._core = DiagnosisCore(self.parameters.values, self._path)
         self._latest = None
         self._state.give_up()
         self._load_state()
@@ -130,7 +125,6 @@ class DiagnosisTopics:
         """Apply changed parameters; a change of the bearing restarts the window."""
         self.judge()
         self._core.reconfigure(values)
-        self._checkpoints.ask()
 
     def take(self, message: Vibration, info: Mapping[str, Any] | None = None) -> None:
         """Diagnose one block; publish the verdict if due."""
@@ -162,12 +156,13 @@ class DiagnosisTopics:
             return False
         intake.blocks, intake.used, intake.problem = intake.blocks + 1, intake.arrived, ''
         if intake.gaps.count(block.first_sample, block.samples.size):
-            self._checkpoints.ask()
-        if self._checkpoints.is_due(block.first_sample):
+            self._core.ask_checkpoint()
+        if self._core.needs_checkpoint(block):
             # A saved state is complete only if no verdict waits.
             self.judge()
             self._load_state()
-            self._publish_checkpoint(block)
+            self._checkpoint.publish(self._core.checkpoint(block, self.parameters.text))
+            self.keep_state()
         joint_hz = self._measured.shaft_hz(block.length)
         due = self._core.take(block, temperature=temperature, joint_hz=joint_hz)
         if due:
@@ -188,7 +183,7 @@ class DiagnosisTopics:
             self._publish_verdict(due.judge(due.excerpt.analyse()))
             if self.parameters['series_cycle']:
                 # Save now: the next block may come one cycle later.
-                self._checkpoints.ask()
+                self._core.ask_checkpoint()
                 self._keep()
 
     def _publish_verdict(self, verdict: Verdict) -> None:
@@ -205,18 +200,6 @@ class DiagnosisTopics:
                 self._features[name].publish(message)
         self._spectrum.publish(verdict.spectrum)
         self._envelope.publish(verdict.envelope_spectrum)
-
-    def _publish_checkpoint(self, block: VibrationBlock) -> None:
-        self._checkpoint.publish(
-            self._checkpoints.make(
-                block.first_sample,
-                stamp=block.stamp,
-                sample_rate=block.sample_rate,
-                configuration=self.parameters.text,
-                state=self._core.diagnoser.save(),
-            )
-        )
-        self.keep_state()
 
     def _load_state(self, *, wait: bool = False) -> None:
         if self._state.load(self._core.diagnoser.load, wait=wait):

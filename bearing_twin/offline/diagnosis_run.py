@@ -8,7 +8,7 @@ from collections import Counter
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.assets.checkpoints import Checkpoints, parameters_of
+from bearing_twin.assets.checkpoints import parameters_of
 from bearing_twin.assets.diagnosis import DiagnosisCore
 from bearing_twin.assets.messages import features_messages
 from bearing_twin.diagnosis.streaming import StreamingDiagnoser
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.streams.vibration_input import VibrationBlock
 
 
-NODE = '/diagnosis'
-
-
 class DiagnosisRun:
     """Process vibration messages one after the other, as the diagnosis node does."""
 
@@ -36,9 +33,6 @@ class DiagnosisRun:
         """Number of verdicts so far, by result."""
         with parameters_of('diagnosis'):
             self._core = DiagnosisCore(values)
-            self._checkpoints = Checkpoints(
-                'diagnosis', NODE, max(values['checkpoint_period'], values['series_cycle'])
-            )
         self._text = yaml.safe_dump(self.values)
         if state is not None:
             self._core.diagnoser.load(state)
@@ -67,18 +61,11 @@ class DiagnosisRun:
 
     def needs_checkpoint(self, block: VibrationBlock) -> bool:
         """Return whether a checkpoint is due before a block."""
-        return self._checkpoints.is_due(block.first_sample)
+        return self._core.needs_checkpoint(block)
 
     def checkpoint(self, block: VibrationBlock) -> Output:
         """Return the checkpoint before a block."""
-        checkpoint = self._checkpoints.make(
-            block.first_sample,
-            stamp=block.stamp,
-            sample_rate=block.sample_rate,
-            configuration=self._text,
-            state=self.state,
-        )
-        return output('/diagnosis_checkpoint', checkpoint)
+        return output('/diagnosis_checkpoint', self._core.checkpoint(block, self._text))
 
     def push(self, message: Any, **known: Any) -> Iterator[Output]:
         """Yield the node's messages for one vibration message; ``known`` as in :meth:`take`."""

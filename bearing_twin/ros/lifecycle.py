@@ -61,7 +61,11 @@ class ManagedNode(LifecycleNode):
         self.refused = False
         """Whether the error is a refused parameter, found only when the parameter was used."""
         self.parameters = ParameterSet(
-            self, (*specs, AUTOSTART), check=self.check, apply=self._apply, locked=self._is_locked
+            self,
+            (*specs, AUTOSTART),
+            check=self.check,
+            apply=self._apply,
+            locked=lambda: self.configured,
         )
 
     def create_subscription(
@@ -210,9 +214,6 @@ class ManagedNode(LifecycleNode):
         result = self._undo(self.teardown, self._unconfigured)
         self.states.release()
         return result
-
-    def _is_locked(self) -> bool:
-        return self.configured
 
     def _apply(self, values: Mapping[str, Any]) -> None:
         if self.configured:

@@ -101,7 +101,7 @@ def show_in_browser(
         )
         raise BearingTwinError(msg) from None
     servers = [source for source in sources if '://' in source]
-    shown = address if address not in ('0.0.0.0', '::') else socket.gethostname()
+    shown = socket.gethostname() if address == '0.0.0.0' else address
     command = [_binary(), '--serve-web', '--bind', address, '--port', '0']
     command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
