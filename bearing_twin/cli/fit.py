@@ -34,6 +34,7 @@ from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
 
 if TYPE_CHECKING:
+    from bearing_twin.bearing import Bearing
     from bearing_twin.recording.signals.foreign import Signal
 
 
@@ -69,28 +70,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit the twin to each file; return 0 only if every file could be fitted."""
-    bearing = given_bearing(args)
-    speed = given_speed(args)
+    bearing, speed = given_bearing(args), given_speed(args)
     tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]
     failed = 0
     fitted: list[tuple[str, str, Calibration]] = []
     for done, (name, channel) in enumerate(tasks, start=1):
         try:
             record = read_signal(Path(name), channel=channel, sample_rate=args.sample_rate)
-            if not math.isfinite(speed):
-                _check_steady(name, record)
-            temperature = record.temperature if args.temperature is None else args.temperature
-            found = fit(
-                record.x,
-                record.sample_rate,
-                bearing or record.bearing or named_bearing(record.bearing_name),
-                speed if math.isfinite(speed) else record.shaft_hz,
-                load=args.load,
-                temperature=temperature,
-                unit=args.unit or record.unit,
-                place=args.place,
-                seed=args.seed,
-            )
+            found = _fit(args, name, record, bearing, speed)
         except (BearingTwinError, MemoryError) as error:
             failed += 1
             clear_progress(len(tasks))
@@ -118,6 +105,26 @@ def run(args: argparse.Namespace) -> int:
     if fitted:
         _print_joined(fitted, as_json=args.json)
     return 1 if failed else 0
+
+
+def _fit(
+    args: argparse.Namespace, name: str, record: Signal, bearing: Bearing | None, speed: float
+) -> Calibration:
+    """Return the fit to a record; bearing and speed (Hz; NaN: none) replace those of the file."""
+    if not math.isfinite(speed):
+        _check_steady(name, record)
+        speed = record.shaft_hz
+    return fit(
+        record.x,
+        record.sample_rate,
+        bearing or record.bearing or named_bearing(record.bearing_name),
+        speed,
+        load=args.load,
+        temperature=record.temperature if args.temperature is None else args.temperature,
+        unit=args.unit or record.unit,
+        place=args.place,
+        seed=args.seed,
+    )
 
 
 def _check_steady(name: str, record: Signal) -> None:

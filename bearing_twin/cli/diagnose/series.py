@@ -33,15 +33,7 @@ LONGEST_CYCLE = quantities(DiagnosisSettings)['series_cycle'][1].high or math.in
 def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     """Judge the files as one series; return 0 if every file could be read."""
     files = series_files([Path(name) for name in args.files])
-    if args.cycle is not None and not 0.0 < args.cycle <= LONGEST_CYCLE:
-        msg = f'--cycle {args.cycle:g}: give a time above 0 s and up to {LONGEST_CYCLE:g} s'
-        raise BearingTwinError(msg)
-    settings = DiagnosisSettings(
-        baseline_windows=args.baseline,
-        series_hold=args.hold,
-        power_group=args.power_group,
-        mounting=args.mounting,
-    )
+    settings = _settings(args)
     monitor = None
     bearing: Bearing | None = None
     said = ''
@@ -87,6 +79,18 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
     else:
         print(_page(said, report, summary, _looked_for(bearing, speeds)))
     return 1 if unread else 0
+
+
+def _settings(args: argparse.Namespace) -> DiagnosisSettings:
+    if args.cycle is not None and not 0.0 < args.cycle <= LONGEST_CYCLE:
+        msg = f'--cycle {args.cycle:g}: give a time above 0 s and up to {LONGEST_CYCLE:g} s'
+        raise BearingTwinError(msg)
+    return DiagnosisSettings(
+        baseline_windows=args.baseline,
+        series_hold=args.hold,
+        power_group=args.power_group,
+        mounting=args.mounting,
+    )
 
 
 def _bearing(args: argparse.Namespace, said: Bearing | str) -> Bearing | None:

@@ -226,12 +226,20 @@ def in_file_order(
         # Free the chunk and its last message before the next one is unpacked.
         data = cdr = b''
     if damaged is not None:
-        for topic in catalogue.guessed.values():
-            text = f'the description of {topic} is lost: it is known by its content alone'
-            damaged(BrokenRecording(text, size))
-        for identity, (messages, octets) in lost.items():
-            text = f'{messages} messages of channel {identity}, whose description is lost'
-            damaged(BrokenRecording(text, size, octets))
+        for loss in _undescribed(catalogue, lost, size):
+            damaged(loss)
+
+
+def _undescribed(
+    catalogue: Catalogue, lost: dict[int, tuple[int, int]], size: int
+) -> Iterator[BrokenRecording]:
+    """Yield an error for each channel without description; ``lost``: its messages and bytes."""
+    for topic in catalogue.guessed.values():
+        text = f'the description of {topic} is lost: it is known by its content alone'
+        yield BrokenRecording(text, size)
+    for identity, (messages, octets) in lost.items():
+        text = f'{messages} messages of channel {identity}, whose description is lost'
+        yield BrokenRecording(text, size, octets)
 
 
 def _known(catalogue: Catalogue, identity: int, offset: int) -> RecordedChannel:

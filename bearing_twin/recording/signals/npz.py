@@ -46,11 +46,11 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
                 raise BearingTwinError(msg)
             for member in members:
                 name = member.filename.removesuffix('.npy')
-                if wanted is None or name in wanted:
-                    with archive.open(member) as file:
-                        array = _read_array(file, member.file_size, room, f'{path}: {name}')
-                    room -= array.nbytes
-                    arrays[name] = array
+                if wanted is not None and name not in wanted:
+                    continue
+                with archive.open(member) as file:
+                    arrays[name] = _read_array(file, member.file_size, room, f'{path}: {name}')
+                room -= arrays[name].nbytes
     except BearingTwinError:
         raise
     except OSError as error:
