@@ -170,7 +170,7 @@ def _stated(files: Sequence[Path], cycle: float | None) -> _Stated:
         if stamps is None and cycle is None:
             stamps = _named_time(path.name)
         if stamps is not None:
-            times[path] = np.atleast_1d(real_numbers(f'{path}: its time', stamps))
+            times[path] = real_numbers(f'{path}: its time', stamps).ravel()
         elif 'temp_C' not in said:
             complete = False
     when = np.concatenate(heat_times)

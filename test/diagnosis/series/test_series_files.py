@@ -185,6 +185,11 @@ def test_times_in_the_names_of_files(tmp_path):
         list(read_snapshots(files))
 
 
+def test_times_may_be_a_column(tmp_path):
+    np.savez(tmp_path / 'a.npz', x=np.ones((2, 200)), fs=1000.0, t_s=[[5.0], [6.0]])
+    assert [snapshot.time for snapshot in read_snapshots([tmp_path / 'a.npz'])] == [5.0, 6.0]
+
+
 @pytest.mark.parametrize(
     ('said', 'reason'),
     [
