@@ -105,6 +105,7 @@ ASSETS = (
 RERUN = (
     'timebase',
     'ending',
+    'ports',
     'outlet',
     'canvas',
     'pictures',

@@ -139,11 +139,15 @@ def test_a_file_is_given_up_when_it_no_longer_grows_not_after_a_time(tmp_path):
     assert len(tries) == 4
 
 
-def test_a_browser_finds_the_page_and_the_data_that_it_names(tmp_path):
+@pytest.mark.parametrize('address', ['127.0.0.1', '::1'])
+def test_a_browser_finds_the_page_and_the_data_that_it_names(tmp_path, address):
     rrd = tmp_path / 'page.rrd'
     with RerunLogger(recording_id='page', rrd=rrd):
         pass
+    if ':' in address and not Path('/proc/net/if_inet6').exists():
+        pytest.skip('this machine has no IPv6')
     command = [sys.executable, '-m', 'bearing_twin', 'view', str(rrd), '--web', '--web-port', '0']
+    command += ['--address', address]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as viewing:
         try:
             url = urlsplit(viewing.stdout.readline().strip())

@@ -13,7 +13,6 @@ from collections import defaultdict
 from functools import partial
 import logging
 import re
-import socket
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -23,6 +22,7 @@ from bearing_twin.view.rerun.blueprint import automatic, layout
 from bearing_twin.view.rerun.outlet import Outlet, release, ServedOutlet
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.scales import Scales
+from bearing_twin.view.rerun.ports import free_port
 from bearing_twin.view.rerun.scene import namespace_of, Scene
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.source import Source
@@ -306,9 +306,7 @@ class RerunLogger:
 def _check_free(address: str, port: int) -> None:
     """Raise if a port is taken; Rerun itself only logs it."""
     try:
-        with socket.socket(socket.AF_INET6 if ':' in address else socket.AF_INET) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((address, port))
+        free_port(address, port)
     except OSError as error:
         msg = f'Rerun cannot be served at {address}:{port} ({error.strerror}); choose another port'
         raise BearingTwinError(msg) from None

@@ -20,6 +20,7 @@ from urllib.parse import quote, urlsplit
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO
+from bearing_twin.view.rerun.ports import free_port
 import numpy as np
 import psutil
 import rerun_cli
@@ -87,11 +88,7 @@ def show_in_browser(
 
     """
     try:
-        # The viewer would not say why it cannot serve the page.
-        with socket.socket() as page:
-            page.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            page.bind((address, web_port))
-            port = page.getsockname()[1]
+        port = free_port(address, web_port)
     except (OSError, OverflowError, TypeError, ValueError) as error:
         # Besides OSError: a port above 65535, an address that is not text or too long.
         reason = getattr(error, 'strerror', None) or error
@@ -101,7 +98,9 @@ def show_in_browser(
         )
         raise BearingTwinError(msg) from None
     servers = [source for source in sources if '://' in source]
-    shown = socket.gethostname() if address == '0.0.0.0' else address
+    shown = f'[{address}]' if ':' in address else address
+    if address in ('0.0.0.0', '::'):
+        shown = socket.gethostname()
     command = [_binary(), '--serve-web', '--bind', address, '--port', '0']
     command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
