@@ -24,7 +24,8 @@ import threading
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import mend_streams, refuse_unknown, report_compiling, take_as_meant
+from bearing_twin.cli.arguments import refuse_unknown, take_as_meant
+from bearing_twin.cli.terminal import mend_streams, report_compiling
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 

@@ -18,6 +18,7 @@ from bearing_twin.bearing import named_bearing
 from bearing_twin.calibration import Calibration, fit
 from bearing_twin.calibration.joint import common_width
 from bearing_twin.calibration.residual import MOVED
+from bearing_twin.cli.arguments import file_name
 from bearing_twin.cli.signal_arguments import (
     add_reading,
     channels_of,
@@ -26,7 +27,7 @@ from bearing_twin.cli.signal_arguments import (
     picture_of,
     unread,
 )
-from bearing_twin.cli.terminal import clear_progress, file_name, progress, wrapped
+from bearing_twin.cli.terminal import clear_progress, progress, wrapped
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.quantity import signed
 from bearing_twin.recording.signals.foreign import read_signal

@@ -12,8 +12,8 @@ from pathlib import Path
 import time
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.cli.arguments import refuse_topic
 from bearing_twin.cli.signal_arguments import UNITS
-from bearing_twin.cli.terminal import refuse_topic
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.stamps import samples_ns

@@ -14,7 +14,8 @@ import threading
 import time
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.cli.terminal import percent, refuse_given
+from bearing_twin.cli.arguments import refuse_given
+from bearing_twin.cli.terminal import percent
 from bearing_twin.errors import BearingTwinError, shown
 import yaml
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.terminal import refuse_given, refuse_topic
+from bearing_twin.cli.arguments import refuse_given, refuse_topic
 from bearing_twin.recording.schedule import load_trend, paper_schedule, write_temperature_recording
 
 if TYPE_CHECKING:

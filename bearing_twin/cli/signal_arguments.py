@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
-from bearing_twin.cli.terminal import file_name, refuse_given
+from bearing_twin.cli.arguments import file_name, refuse_given
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import find_recording, SIGNAL_FILES
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset

@@ -14,8 +14,9 @@ import tempfile
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from bearing_twin.cli.arguments import refuse_given
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
-from bearing_twin.cli.terminal import percent, refuse_given
+from bearing_twin.cli.terminal import percent
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
 from bearing_twin.view.style import PAGES

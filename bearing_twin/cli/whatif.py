@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.calibration import Calibration
 from bearing_twin.calibration.whatif import expect
+from bearing_twin.cli.arguments import file_name
 from bearing_twin.cli.fit import load_range, outer_ring, seed
-from bearing_twin.cli.terminal import file_name, wrapped
+from bearing_twin.cli.terminal import wrapped
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:

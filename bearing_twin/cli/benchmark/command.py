@@ -26,8 +26,9 @@ import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, PLACES
+from bearing_twin.cli.arguments import file_name, processes, refuse_given
 from bearing_twin.cli.benchmark.misled import ANSWERS, judge_misled, misled_rows
-from bearing_twin.cli.terminal import file_name, processes, progress, refuse_given
+from bearing_twin.cli.terminal import progress
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.compilation import warm_up
 from bearing_twin.diagnosis.rules.confidence import KINDS

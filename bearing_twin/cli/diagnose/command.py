@@ -10,6 +10,7 @@ from pathlib import Path
 import sys
 from typing import TYPE_CHECKING
 
+from bearing_twin.cli.arguments import file_name, refuse_given
 from bearing_twin.cli.diagnose.spread import answers
 from bearing_twin.cli.diagnose.task import CARD, Task
 from bearing_twin.cli.signal_arguments import (
@@ -19,13 +20,7 @@ from bearing_twin.cli.signal_arguments import (
     given_speed,
     picture_of,
 )
-from bearing_twin.cli.terminal import (
-    clear_progress,
-    file_name,
-    progress,
-    refuse_given,
-    shown_inside,
-)
+from bearing_twin.cli.terminal import clear_progress, progress, shown_inside
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import shown
 

@@ -9,8 +9,8 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.cli.arguments import processes
 from bearing_twin.cli.signal_arguments import unread
-from bearing_twin.cli.terminal import processes
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.memory import keep_freed_memory
 
