@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.combs.harmonics import MISSING
 from bearing_twin.diagnosis.signal.spectra import whiten
-from bearing_twin.diagnosis.thresholds import CARRIER, INDEX_FAULT
+from bearing_twin.diagnosis.thresholds import CARRIER, INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 from scipy import fft
@@ -51,12 +51,12 @@ envelope is zero."""
 HARMONICS = 3
 _FLOORS, _LEAST_FLOOR = 64, 16
 """Number of blocks of the floor that whitens a snapshot, and least bins of a block."""
-SLIP = 0.03
+_SLIP = 0.03
 """Largest slip of a race or ball that is searched."""
 SPEED_ERROR = 0.01
 """Relative error of the given speed up to which strikes of the shaft are taken for no place."""
-Z_PLACE, RIVAL = 5.0, 1.4
-"""Significance from which a place is named, and least ratio to the next place's."""
+Z_PLACE = 5.0
+"""Significance from which a place is named."""
 LEAST = 20
 """Least number of snapshots in an average that names a place."""
 
@@ -82,6 +82,35 @@ class Comb:
 def _lines(order: float) -> NDArray[np.intp]:
     """Return the bins of the harmonics of a comb."""
     return np.asarray(np.rint(order * np.arange(1, HARMONICS + 1) / STEP).astype(int) - 1)
+
+
+def _at_whole_orders(grid: NDArray[np.float64], resolution: float) -> NDArray[np.bool_]:
+    """
+    Return which combs may be of whole orders, (G,).
+
+    There a fault cannot be told from blades, a gear or the shaft. Their lines are as wide as the
+    resolution, and share power with the bins beside them. The highest harmonic of a comb is
+    farthest from theirs.
+    """
+    turns = np.rint(grid)
+    width = (min(resolution, 0.3) + STEP) / HARMONICS
+    near: NDArray[np.bool_] = np.abs(grid - turns) < SPEED_ERROR * turns + 0.5 * width
+    return near
+
+
+def _significance(scores: NDArray[np.float64], quiet: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """
+    Return the significance of each comb in its best band, (G,); -inf where no band has the comb.
+
+    The scores, (bands, G), are compared with those of ``quiet`` combs, which are of no fault.
+    """
+    null = scores[:, quiet]
+    told = np.isfinite(null).sum(axis=1) >= 20
+    if not told.any():
+        return np.full(scores.shape[1], -math.inf)
+    center, high = np.nanquantile(null[told], (0.5, 0.8413), axis=1)[:, :, None]
+    z = (scores[told] - center) / np.maximum(high - center, 1e-3)
+    return np.asarray(np.fmax.reduce(z, axis=0, initial=-math.inf))
 
 
 class AveragedEnvelope:
@@ -206,52 +235,30 @@ class AveragedEnvelope:
         """
         if self.count < LEAST:
             return None
+        resolution = self.count / self.turns
+        if 1.5 * resolution >= HIGHEST / HARMONICS:
+            return None
         excess = self.excess()
         if before.count >= LEAST:
             # Lines that were there before, of the shaft and of other machines, are no damage.
             excess = excess - np.maximum(before.excess(), 0.0)
-        resolution = self.count / self.turns
-        if 1.5 * resolution >= HIGHEST / HARMONICS:
-            return None
         # The step of the highest harmonic is a bin.
-        step = STEP / HARMONICS
-        grid = np.arange(1.5 * resolution, HIGHEST / HARMONICS, step)
-        scores = np.zeros((len(BANDS), len(grid)))
-        for harmonic in range(1, HARMONICS + 1):
-            rows = np.clip(np.rint(harmonic * grid / STEP).astype(int) - 1, 0, excess.shape[1] - 1)
-            scores += np.log1p(np.maximum(excess[:, rows], -0.9))
-        # The envelope of a band has no lines above its width; the last rows are the highest.
-        scores[self.power[:, rows] <= 0.0] = np.nan
-        # At whole orders a fault cannot be told from blades, a gear or the shaft. Their lines are
-        # as wide as the resolution, and share power with the bins beside them. The highest
-        # harmonic of a comb is farthest from theirs.
-        turns = np.rint(grid)
-        width = (min(resolution, 0.3) + STEP) / HARMONICS
-        shaft = np.abs(grid - turns) < SPEED_ERROR * turns + 0.5 * width
-        orders = fault_orders(bearing)
-        windows = {
-            place: ~shaft & (np.abs(grid / order - 1.0) <= max(SLIP, 0.5 * STEP / order))
-            for place in PLACES[:3]
-            if (order := orders.impacts(place)) > 1.5 * resolution
-        }
-        own = np.zeros(len(grid), dtype=bool)
-        for place in windows:
-            own |= np.abs(grid - orders.impacts(place)) < resolution
-        null = scores[:, ~(own | shaft)]
-        scores = scores[told := np.isfinite(null).sum(axis=1) >= 20]
-        if not len(scores):
-            return None
-        center, high = np.nanquantile(null[told], (0.5, 0.8413), axis=1)[:, :, None]
-        z = np.fmax.reduce((scores - center) / np.maximum(high - center, 1e-3), axis=0)
-        z[np.isnan(z)] = -np.inf
-        best = sorted(
-            (
-                (float(z[window].max()), place, float(grid[window][z[window].argmax()]))
-                for place, window in windows.items()
-                if window.any()
-            ),
-            reverse=True,
-        )
+        grid = np.arange(1.5 * resolution, HIGHEST / HARMONICS, STEP / HARMONICS)
+        shaft, orders = _at_whole_orders(grid, resolution), fault_orders(bearing)
+        places = {place: orders.impacts(place) for place in PLACES[:3]}
+        places = {place: order for place, order in places.items() if order > 1.5 * resolution}
+        quiet = ~shaft
+        for order in places.values():
+            quiet &= np.abs(grid - order) >= resolution
+        z = _significance(self._scores(excess, grid), quiet)
+        best = []
+        for place, order in places.items():
+            reach = max(_SLIP, 0.5 * STEP / order)
+            window = np.flatnonzero(~shaft & (np.abs(grid / order - 1.0) <= reach))
+            if len(window):
+                at = window[z[window].argmax()]
+                best.append((float(z[at]), place, float(grid[at])))
+        best.sort(reverse=True)
         if not best or best[0][0] < Z_PLACE:
             return None
         top, place, order = best[0]
@@ -260,10 +267,22 @@ class AveragedEnvelope:
             # A higher comb just outside the range of a place belongs to another source.
             return None
         for rival, other, at in best[1:]:
-            close = abs(orders.impacts(other) - orders.impacts(place)) < resolution
+            close = abs(places[other] - places[place]) < resolution
             if rival * RIVAL > top and (close or abs(at - order) > STEP):
                 return None
         return Comb(place, order, top, self.count) if self._own(excess, place, order) else None
+
+    def _scores(
+        self, excess: NDArray[np.float64], grid: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the score of each comb in each band, (bands, G); NaN above the band's lines."""
+        scores = np.zeros((len(BANDS), len(grid)))
+        for harmonic in range(1, HARMONICS + 1):
+            rows = np.clip(np.rint(harmonic * grid / STEP).astype(int) - 1, 0, excess.shape[1] - 1)
+            scores += np.log1p(np.maximum(excess[:, rows], -0.9))
+        # The envelope of a band has no lines above its width; the last rows are the highest.
+        scores[self.power[:, rows] <= 0.0] = np.nan
+        return scores
 
     def _own(self, excess: NDArray[np.float64], place: str, order: float) -> bool:
         """Return whether a comb has all its harmonics and is no part of a denser series."""
