@@ -139,59 +139,93 @@ def check_extents(
     ['the record is empty: give at least a second of vibration']
 
     """
+    unusable = _unusable(parts, sample_rate, shaft_hz)
+    if unusable:
+        return [unusable]
+    seconds = sum(part.count for part in parts) / sample_rate
+    found = (
+        _clipped(parts),
+        _stuck(parts, _SILENT_TURNS * sample_rate / shaft_hz),
+        _too_short(seconds, shaft_hz),
+        _sampled_too_slowly(sample_rate, shaft_hz, highest_order),
+    )
+    return [reason for reason in found if reason]
+
+
+def _unusable(parts: Sequence[Extent], sample_rate: float, shaft_hz: float) -> str:
+    """Return why nothing can be said of the samples; '' if something can."""
     count = sum(part.count for part in parts)
     if count < 2:
         holds = 'has one sample' if count else 'is empty'
-        return [f'the record {holds}: give at least a second of vibration']
+        return f'the record {holds}: give at least a second of vibration'
     if not (math.isfinite(sample_rate) and sample_rate > 0.0):
-        return [f'sample rate {sample_rate} Hz: a positive number is needed']
+        return f'sample rate {sample_rate} Hz: a positive number is needed'
     bad = sum(part.bad for part in parts)
     if bad:
-        return [f'{bad} of {count} samples are NaN or infinite: repair or leave out that part']
+        return f'{bad} of {count} samples are NaN or infinite: repair or leave out that part'
     low, high = min(part.low for part in parts), max(part.high for part in parts)
     largest = max(abs(low), abs(high))
     if largest > LARGEST:
-        return [f'samples reach {largest:g}: beyond the range of any sensor; check its driver']
+        return f'samples reach {largest:g}: beyond the range of any sensor; check its driver'
     if high - low <= max(1e-12 * largest, FAINTEST):
-        return [f'the signal is constant at {low:g}: check sensor and cable']
+        return f'the signal is constant at {low:g}: check sensor and cable'
     if shaft_hz == 0.0:
-        return ['the shaft stands still: measure while it turns']
+        return 'the shaft stands still: measure while it turns'
     if not math.isfinite(shaft_hz) or shaft_hz < 0.0:
-        return ['the shaft speed is unknown: give it (joint_states, rpm or --shaft-hz)']
-    reasons = []
-    span = _ENDS * (high - low)
+        return 'the shaft speed is unknown: give it (joint_states, rpm or --shaft-hz)'
+    return ''
+
+
+def _clipped(parts: Sequence[Extent]) -> str:
+    """Return the reason if many samples are at the ends of the range of the record, else ''."""
+    low, high = min(part.low for part in parts), max(part.high for part in parts)
+    span, count = _ENDS * (high - low), sum(part.count for part in parts)
     at_ends = sum(part.at_high for part in parts if part.high >= high - span)
     at_ends += sum(part.at_low for part in parts if part.low <= low + span)
-    if at_ends > _SPOILT_SHARE * count:
-        reasons.append(
-            f'{100.0 * at_ends / count:.1f} % of the samples sit at the end of the range: the '
-            f'signal is clipped (limit {100.0 * _SPOILT_SHARE:g} %); lower the gain'
-        )
-    silent = _SILENT_TURNS * sample_rate / shaft_hz
+    if at_ends <= _SPOILT_SHARE * count:
+        return ''
+    return (
+        f'{100.0 * at_ends / count:.1f} % of the samples sit at the end of the range: the '
+        f'signal is clipped (limit {100.0 * _SPOILT_SHARE:g} %); lower the gain'
+    )
+
+
+def _stuck(parts: Sequence[Extent], silent: float) -> str:
+    """Return the reason if many samples are in runs of ``silent`` or more equal ones, else ''."""
+    count = sum(part.count for part in parts)
     held = sum(run for part in parts for run in part.held if run >= silent)
-    if held > _SPOILT_SHARE * count:
-        reasons.append(
-            f'{100.0 * held / count:.1f} % of the samples repeat one value for '
-            f'{_SILENT_TURNS:g} shaft turns or more (limit {100.0 * _SPOILT_SHARE:g} %): the '
-            'sensor or its connection fails at times, or the signal is below the steps of the '
-            'converter; leave out that part or raise the gain'
-        )
-    seconds = count / sample_rate
+    if held <= _SPOILT_SHARE * count:
+        return ''
+    return (
+        f'{100.0 * held / count:.1f} % of the samples repeat one value for '
+        f'{_SILENT_TURNS:g} shaft turns or more (limit {100.0 * _SPOILT_SHARE:g} %): the '
+        'sensor or its connection fails at times, or the signal is below the steps of the '
+        'converter; leave out that part or raise the gain'
+    )
+
+
+def _too_short(seconds: float, shaft_hz: float) -> str:
+    """Return the reason if a record has too few shaft turns, else ''."""
     turns = seconds * shaft_hz
-    if turns < SHAFT_TURNS:
-        reasons.append(
-            f'{turns:.1f} shaft turns in {seconds:.3g} s: at least {SHAFT_TURNS:g} are needed, '
-            f'{SHAFT_TURNS / shaft_hz - seconds:.3g} s more, and {HEALTHY_TURNS:g} to call it '
-            f'healthy, {HEALTHY_TURNS / shaft_hz - seconds:.3g} s more'
-        )
+    if turns >= SHAFT_TURNS:
+        return ''
+    return (
+        f'{turns:.1f} shaft turns in {seconds:.3g} s: at least {SHAFT_TURNS:g} are needed, '
+        f'{SHAFT_TURNS / shaft_hz - seconds:.3g} s more, and {HEALTHY_TURNS:g} to call it '
+        f'healthy, {HEALTHY_TURNS / shaft_hz - seconds:.3g} s more'
+    )
+
+
+def _sampled_too_slowly(sample_rate: float, shaft_hz: float, highest_order: float) -> str:
+    """Return the reason if four harmonics of the highest fault order do not fit, else ''."""
     wanted = 8.0 * highest_order * shaft_hz
-    if sample_rate < wanted:
-        reasons.append(
-            f'sample rate {sample_rate:g} Hz: at least {wanted:.0f} Hz are needed to demodulate '
-            f'four harmonics of the highest fault frequency of a shaft at {60.0 * shaft_hz:.5g} '
-            '1/min: are speed and rate right, and in these units?'
-        )
-    return reasons
+    if sample_rate >= wanted:
+        return ''
+    return (
+        f'sample rate {sample_rate:g} Hz: at least {wanted:.0f} Hz are needed to demodulate '
+        f'four harmonics of the highest fault frequency of a shaft at {60.0 * shaft_hz:.5g} '
+        '1/min: are speed and rate right, and in these units?'
+    )
 
 
 def fastest_impacts_hz(sample_rate: float, highest_hz: float = HIGHEST_RINGING_HZ) -> float:
