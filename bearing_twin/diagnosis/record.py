@@ -12,7 +12,11 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import check_geometry, FAULT_CODES, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.machine.level import UNKNOWN, with_fault_stage, with_required_level
+from bearing_twin.diagnosis.machine.level import (
+    UNRATED_CONFIDENCE,
+    with_fault_stage,
+    with_required_level,
+)
 from bearing_twin.diagnosis.rules.table import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import SHAFT_TURNS
@@ -208,7 +212,7 @@ def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagno
     return replace(
         given, result=result, rule='another_speed', level='fault' if alarm else 'suspect',
         faults=(said.result, *given.faults) if alarm else (), fault_code=FAULT_CODES[result],
-        confidence=UNKNOWN, reasons=(*given.reasons, text),
+        confidence=UNRATED_CONFIDENCE, reasons=(*given.reasons, text),
     )  # fmt: skip
 
 
@@ -295,7 +299,7 @@ def _moving(
                 f'only one part of about {turns / count:.0f} turns is an alarm, and the speed '
                 'seems to move within the record: repeat it, and give the speed of each sample'
             )
-            alarm = replace(alarm, level='suspect', confidence=UNKNOWN)
+            alarm = replace(alarm, level='suspect', confidence=UNRATED_CONFIDENCE)
             weaker = _of_part(whole, alarm, text)
     return None if alarms_only else weaker
 
@@ -311,7 +315,7 @@ def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:
         return part
     text = f'impacts {round(order)} times a turn would look the same'
     return replace(
-        part, result='ambiguous', level='suspect', confidence=UNKNOWN,
+        part, result='ambiguous', level='suspect', confidence=UNRATED_CONFIDENCE,
         fault_code=FAULT_CODES['ambiguous'], reasons=(*part.reasons, text),
     )  # fmt: skip
 

@@ -12,7 +12,7 @@ from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
 from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
 from bearing_twin.diagnosis.machine.dependence import Z90
-from bearing_twin.diagnosis.machine.level import is_urgent, SUSPECT_DB, UNKNOWN
+from bearing_twin.diagnosis.machine.level import is_urgent, SUSPECT_DB, UNRATED_CONFIDENCE
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
 from bearing_twin.diagnosis.rules.table import HEALTHY, TELLS
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
@@ -127,7 +127,7 @@ def confidence(diagnosis: Any) -> tuple[str, str]:
         return '', ''
     # 100 % is never printed: nothing is certain.
     share = '> 99 %' if sure > 0.99 else f'{100.0 * sure:.0f} %'
-    if sure == UNKNOWN and not faults and kind != 'healthy':
+    if sure == UNRATED_CONFIDENCE and not faults and kind != 'healthy':
         return share, '(not checked by simulation)'
     return share, CLAIMS[kind]
 

@@ -103,15 +103,15 @@ class Slope(NamedTuple):
         return self.mean * step, self.deviation * abs(step)
 
 
-UNKNOWN = Slope(0.0, math.inf, math.nan, math.nan, False)
+UNKNOWN_SLOPE = Slope(0.0, math.inf, math.nan, math.nan, False)
 
 
 @dataclass(frozen=True)
 class Law:
     """Dependence of a level on temperature and speed."""
 
-    temperature: Slope = UNKNOWN
-    octaves: Slope = UNKNOWN
+    temperature: Slope = UNKNOWN_SLOPE
+    octaves: Slope = UNKNOWN_SLOPE
 
     def correct(self, now: Condition, reference: Condition) -> tuple[float, float]:
         """Return the change from ``reference`` to ``now`` and its standard deviation, dB."""

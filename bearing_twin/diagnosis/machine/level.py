@@ -27,7 +27,7 @@ FALLEN = (
 )
 """Question to the user about a vibration ``FAULT_DB`` below the baseline."""
 
-UNKNOWN = 0.5
+UNRATED_CONFIDENCE = 0.5
 """Confidence of an answer from the level alone: no simulation tells how often it is right."""
 
 _NOT_JUDGED = (
@@ -87,7 +87,7 @@ def with_required_level(diagnosis: Diagnosis) -> Diagnosis:
         return diagnosis
     result, confidence = diagnosis.result, diagnosis.confidence
     if result in ('healthy', 'insufficient'):
-        result, confidence = 'suspect', UNKNOWN
+        result, confidence = 'suspect', UNRATED_CONFIDENCE
     if result == 'suspect' and level == 'fault':
         result = 'ambiguous'
     place = '' if diagnosis.faults else '; place unknown'

@@ -13,7 +13,7 @@ import zlib
 
 from bearing_twin.bearing import FAULT_CODES
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.machine.level import UNKNOWN, with_fault_stage
+from bearing_twin.diagnosis.machine.level import UNRATED_CONFIDENCE, with_fault_stage
 from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
@@ -268,6 +268,6 @@ def _held(alone: Diagnosis, report: SeriesReport) -> Diagnosis:
     # The rule of this snapshot is not that of the series' answer.
     return replace(
         alone, result=result, level=level, rule=report.doubt, kind='',
-        confidence=0.0 if result == 'insufficient' else UNKNOWN, faults=faults,
+        confidence=0.0 if result == 'insufficient' else UNRATED_CONFIDENCE, faults=faults,
         fault_code=FAULT_CODES[result], reasons=reasons, window=(alone.result, alone.level),
     )  # fmt: skip
