@@ -8,7 +8,7 @@ from dataclasses import replace
 import functools
 import itertools
 import math
-from typing import Any, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import check_geometry, FAULT_CODES, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.diagnosis.result import Diagnosis
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
 
 _WINDOW_TURNS = 256.0
@@ -134,48 +134,52 @@ def diagnose_record(
     if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
         settings = settings.measured
     lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))
-    known: dict[str, Any] = {'longest': _WINDOW_TURNS, 'temperature': temperature, 'unit': unit}
-    fixed = sample_rate, bearing, settings
-    profile = SpeedProfile(np.atleast_1d(speeds), lengths)
-    cut = functools.partial(Excerpt.of, signal, profile, *fixed, **known)
-    excerpt = cut()
-    analysis = excerpt.analyse()
+    record = _Record(
+        signal, SpeedProfile(np.atleast_1d(speeds), lengths), sample_rate, bearing, settings,
+        temperature, unit,
+    )  # fmt: skip
+    analysis = record.excerpt().analyse()
     found = analysis.alone
-    faint = found.rule in FAINT
-    if faint and found.level == 'suspect' and _may_strike_in_bursts(analysis):
-        # Each segment is whitened by its own noise, so bursts of impacts that last seconds count
-        # little in the mean.
-        whole = cut(divided=False).analyse().alone
-        if whole.level == 'fault':
-            found = replace(whole, reasons=(*whole.reasons, _BURSTS))
-    # If the speed moves, the lines of a fault smear over the whole record but not over its parts.
-    if faint and found.level != 'fault' and speeds.size == 1 and _smeared(analysis):
-        turns = len(signal) / sample_rate * float(speeds)
-
-        def parts(count: int) -> list[Excerpt]:
-            many = len(excerpt.stretches)
-            if turns * (many // count) >= _PART_TURNS * many:
-                edges = [round(many * number / count) for number in range(count + 1)]
-                return [_part(excerpt, *ends) for ends in itertools.pairwise(edges)]
-            samples = np.array_split(signal, count)
-            profiles = [profile._replace(lengths=np.array([len(part)])) for part in samples]
-            return [
-                Excerpt.of(part, its, *fixed, **known)
-                for part, its in zip(samples, profiles, strict=True)
-            ]
-
-        found = _moving(found, turns, parts) or found
-    if speeds.size == 1 and analysis.window is not None:
-        power, bin_hz = analysis.window.low, 1.0 / analysis.window.seconds
-        for hertz in other_shafts_hz(power, bin_hz, float(speeds), settings.speed_tolerance):
-            # The lines of the named fault can be mistaken for those of a shaft.
-            own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
-            if own or not analysis.may_show(hertz, _clearest(found)):
-                continue
-            other_profile = profile._replace(shaft_hz=np.array([hertz]))
-            said = Excerpt.of(signal, other_profile, *fixed, **known).analyse().alone
-            found = _at_another_speed(found, said, hertz) or found
+    if found.rule in FAINT:
+        if found.level == 'suspect' and _may_strike_in_bursts(analysis):
+            found = _of_bursts(record) or found
+        # If the speed moves, the lines of a fault smear over the whole record but not over its
+        # parts.
+        if found.level != 'fault' and speeds.size == 1 and _smeared(analysis):
+            parts = functools.partial(_parts, record, analysis.excerpt)
+            found = _moving(found, record.turns, parts) or found
+    if speeds.size == 1:
+        found = _with_other_shafts(found, record, analysis)
     return with_fault_stage(with_required_level(found))
+
+
+class _Record(NamedTuple):
+    """A record with its conditions."""
+
+    x: NDArray[np.float64]
+    speed_profile: SpeedProfile
+    sample_rate: float
+    bearing: Bearing
+    settings: DiagnosisSettings
+    temperature: float
+    unit: str
+
+    @property
+    def steady_hz(self) -> float:
+        """Shaft speed, Hz, if one is given for the whole record."""
+        return float(self.speed_profile.shaft_hz[0])
+
+    @property
+    def turns(self) -> float:
+        """Shaft turns at this speed."""
+        return len(self.x) / self.sample_rate * self.steady_hz
+
+    def excerpt(self, *, divided: bool = True) -> Excerpt:
+        """Return the whole record as an excerpt, cut into windows."""
+        return Excerpt.of(
+            self.x, self.speed_profile, self.sample_rate, self.bearing, self.settings,
+            longest=_WINDOW_TURNS, divided=divided, temperature=self.temperature, unit=self.unit,
+        )  # fmt: skip
 
 
 def _may_strike_in_bursts(analysis: Analysis) -> bool:
@@ -185,6 +189,49 @@ def _may_strike_in_bursts(analysis: Analysis) -> bool:
         return False
     order = said.fault_hz / said.shaft_hz
     return bool(analysis.before) or window.index_by_power(order, said.band) >= _LOUD
+
+
+def _of_bursts(record: _Record) -> Diagnosis | None:
+    """
+    Return the fault of a record as a whole; None without one.
+
+    Otherwise each segment is whitened by its own noise, so bursts of impacts that last seconds
+    count little in the mean.
+    """
+    whole = record.excerpt(divided=False).analyse().alone
+    return replace(whole, reasons=(*whole.reasons, _BURSTS)) if whole.level == 'fault' else None
+
+
+def _parts(record: _Record, whole: Excerpt, count: int) -> list[Excerpt]:
+    """Return equal parts of a record; they share transforms with ``whole`` if they are long."""
+    many = len(whole.stretches)
+    if record.turns * (many // count) >= _PART_TURNS * many:
+        edges = [round(many * number / count) for number in range(count + 1)]
+        return [_part(whole, *ends) for ends in itertools.pairwise(edges)]
+    profile = record.speed_profile
+    return [
+        record._replace(
+            x=part, speed_profile=profile._replace(lengths=np.array([len(part)]))
+        ).excerpt()
+        for part in np.array_split(record.x, count)
+    ]
+
+
+def _with_other_shafts(found: Diagnosis, record: _Record, analysis: Analysis) -> Diagnosis:
+    """Return the answer after looks at other speeds at which lines of a shaft show."""
+    window = analysis.window
+    if window is None:
+        return found
+    bin_hz, tolerance = 1.0 / window.seconds, record.settings.speed_tolerance
+    for hertz in other_shafts_hz(window.low, bin_hz, record.steady_hz, tolerance):
+        # The lines of the named fault can be mistaken for those of a shaft.
+        own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
+        if own or not analysis.may_show(hertz, _clearest(found)):
+            continue
+        profile = record.speed_profile._replace(shaft_hz=np.array([hertz]))
+        said = record._replace(speed_profile=profile).excerpt().analyse().alone
+        found = _at_another_speed(found, said, hertz) or found
+    return found
 
 
 def _clearest(said: Diagnosis) -> float:
