@@ -115,45 +115,47 @@ def of_defect(
     (False, 0.0, 'ringing hides it')
 
     """
+    why = 'its intervals held the true value too rarely in simulation'
     quantities = {}
     for name, about in left.prior.items():
         low, median, high = (float(v) for v in left.quantiles(name))
-        why = 'its intervals held the true value too rarely in simulation'
-        if name == 'defect_width_mm':
-            if refusal is None:
-                # The model of the path over an edge may be wrong. The lower bound is therefore at
-                # most the distance of the impacts themselves, less the half width of one.
-                spacing, lobe = (
-                    1e3 * t * situation.speed for t in (measured.spacing, measured.lobe)
-                )
-                low = min(low, spacing - lobe)
-                # The upper bound is at least the width at the median of assumed loads and depths:
-                # candidates in which the rotor rebounds after the exit have narrower defects.
-                high = max(high, spacing + 1e3 * spacing_shortfall(situation, 0.5))
-                why = (
-                    f'from impacts {spacing:.2f} mm apart on the race and the path of a ball over '
-                    'the edges, which the lower bound leaves out; it holds if they are one '
-                    'passage, which records at another speed prove'
-                )
-            elif refusal.kind in UNBOUNDED:
-                # A defect wider than the distance of two balls always has a ball in it.
-                low, high, why = 0.0, next_ball(situation), refusal.why
-            elif refusal.kind is Kind.MANY_WIDTHS:
-                why = refusal.why
-            else:
-                # The spacing of any narrower defect is hidden too, whatever the prior assumes.
-                hidden = (
-                    max(longest_unresolved_spacing(measured), refusal.longest_spacing)
-                    * situation.speed
-                )
-                hidden += _largest_shortfall(situation)
-                high = min(max(high, 1e3 * hidden), next_ball(situation))
-                low, why = 0.0, f'at most {high:.2f} mm: {refusal.why}'
         quantities[name] = Estimate(
-            q05=low, median=median, q95=high, unit=about.unit,
-            identifiable=name == 'defect_width_mm' and refusal is None, why=why,
-        )  # fmt: skip
+            q05=low, median=median, q95=high, unit=about.unit, identifiable=False, why=why
+        )
+    width = quantities['defect_width_mm']
+    quantities['defect_width_mm'] = _width(width, situation, measured, refusal)
     return quantities
+
+
+def _width(
+    of_candidates: Estimate, situation: Situation, measured: Summary, refusal: Refusal | None
+) -> Estimate:
+    """Return the width of a race defect, from that of the kept candidates, with all allowances."""
+    width = of_candidates
+    if refusal is None:
+        # The model of the path over an edge may be wrong. The lower bound is therefore at most the
+        # distance of the impacts themselves, less the half width of one.
+        spacing, lobe = (1e3 * t * situation.speed for t in (measured.spacing, measured.lobe))
+        # The upper bound is at least the width at the median of assumed loads and depths:
+        # candidates in which the rotor rebounds after the exit have narrower defects.
+        high = max(width.q95, spacing + 1e3 * spacing_shortfall(situation, 0.5))
+        why = (
+            f'from impacts {spacing:.2f} mm apart on the race and the path of a ball over the '
+            'edges, which the lower bound leaves out; it holds if they are one passage, which '
+            'records at another speed prove'
+        )
+        low = min(width.q05, spacing - lobe)
+        return replace(width, q05=low, q95=high, identifiable=True, why=why)
+    if refusal.kind in UNBOUNDED:
+        # A defect wider than the distance of two balls always has a ball in it.
+        return replace(width, q05=0.0, q95=next_ball(situation), why=refusal.why)
+    if refusal.kind is Kind.MANY_WIDTHS:
+        return replace(width, why=refusal.why)
+    # The spacing of any narrower defect is hidden too, whatever the prior assumes.
+    longest = max(longest_unresolved_spacing(measured), refusal.longest_spacing)
+    hidden = longest * situation.speed + _largest_shortfall(situation)
+    high = min(max(width.q95, 1e3 * hidden), next_ball(situation))
+    return replace(width, q05=0.0, q95=high, why=f'at most {high:.2f} mm: {refusal.why}')
 
 
 def of_slip(situation: Situation, measured: float) -> Estimate:
