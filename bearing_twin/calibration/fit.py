@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+import itertools
 import math
 import time
 from typing import TYPE_CHECKING
@@ -59,9 +60,11 @@ import numpy.typing as npt
 import scipy
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from bearing_twin.bearing import Bearing
     from bearing_twin.calibration.candidates.posterior import Posterior
-    from bearing_twin.calibration.measured.summaries import Summary
+    from bearing_twin.calibration.measured.summaries import Correlation, Summary
     from bearing_twin.dynamics.equations.sensor_path import SensorPath
 
 
@@ -173,12 +176,49 @@ def fitted_vibration(found: Calibration, seconds: float) -> FloatArray:
 
     """
     typical = {name: np.full(1, value) for name, value in found.typical().items()}
-    typical['noise_ratio'] = np.zeros(1)
-    path = found.path
-    settle = REACH_S + SETTLE_S
-    twin = next(vibrations(found.twin_situation, typical, seconds + settle, 0))[0]
-    settled = int(settle * found.situation.sample_rate)
-    return path.filter(0).apply(twin)[settled:]
+    return next(sensor_signals(found, found.twin_situation, typical, seconds, 0, (0,)))
+
+
+def sensor_signals(
+    found: Calibration,
+    situation: Situation,
+    values: dict[str, FloatArray],
+    seconds: float,
+    seed: int,
+    noise_seeds: Iterable[int],
+) -> Iterator[FloatArray]:
+    """
+    Yield the signal of the machine's sensor for each candidate, as if it were the machine.
+
+    Parameters
+    ----------
+    found
+        The calibration.
+    situation
+        Conditions of the simulation.
+    values
+        Values of each unknown, one per candidate; there is no other noise than that of the path.
+    seconds
+        Length of each signal, s; the vibration of its start has decayed.
+    seed, noise_seeds
+        Seed of the simulation, and of the noise of the path for each candidate.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> healthy = 0.01 * np.random.default_rng(1).standard_normal(25600)
+    >>> found = fit(healthy, 12800.0, find_bearing('6205'), 25.0, place='none')
+    >>> values = {name: v[:2] for name, v in found.candidates.items()}
+    >>> [len(x) for x in sensor_signals(found, found.situation, values, 0.1, 0, (0, 1))]
+    [1280, 1280]
+
+    """
+    values = values | {'noise_ratio': np.zeros(len(values['load']))}
+    settle = SETTLE_S + REACH_S
+    skipped = int(settle * situation.sample_rate)
+    batches = vibrations(situation, values, seconds + settle, seed)
+    for x, noise in zip(itertools.chain.from_iterable(batches), noise_seeds, strict=False):
+        yield found.path.filter(noise).apply(x)[skipped:]
 
 
 def _checked(
@@ -240,42 +280,40 @@ def _fitted(
     *,
     named: bool,
 ) -> Calibration:
+    """
+    Return the calibration of a checked record at a known part.
+
+    ``start`` is the processor time at which the fit began, s. ``refusal`` tells why the width of a
+    part other than a race is not fitted; ``named`` whether the part is given, not diagnosed.
+    """
     whole = correlate(x, situation.sample_rate)
     measured = whole.summary(situation.longest_spacing)
-    modes = resonances(x, situation.sample_rate)
     defective = situation.place in ('inner', 'outer')
-    seen = None
     if defective:
-        refusal = no_impacts(x, situation) if named else None
-        refusal = refusal or half_frequency(x, situation)
         gear = gear_mesh(x, situation.sample_rate, measured)
-        # A defect beside a gear may be wider than the distance of the gear's impacts.
-        refusal = refusal or (gear and with_longest_spacing(gear, whole, measured, situation))
-        refusal = refusal or too_wide(whole, situation, measured)
-        refusal = refusal or unresolved(whole, measured, situation)
-        refusal = refusal or copied(x, situation, measured)
+        refusal = _refusal(x, whole, measured, situation, gear, named=named)
         count = affordable(situation, candidates)
         left, refusal = _defect(x, measured, situation, count, seed, refusal)
         seen = None if gear else impacts_of(whole, measured, situation)
     else:
-        left = posterior.from_prior(situation, seed)
-    values, weights = left.values, left.weights
-    defect_unknown = refusal is not None and refusal.kind.defect_unknown
+        left, seen = posterior.from_prior(situation, seed), None
+    kind = None if refusal is None else refusal.kind
+    defect_unknown = kind is not None and kind.defect_unknown
     twin_of = replace(situation, place='none') if defect_unknown else situation
-    path, twin = _path(x, twin_of, values, weights, seed)
+    path, twin = _path(x, twin_of, left, seed)
     factor = acceleration_factor(unit)
     before = twin + NOISE * np.random.default_rng(seed).standard_normal(len(twin))
     scale = factor if math.isfinite(factor) else float(before.std() / x.std())
-    quantities = of_path(x, path, modes, situation, unit)
+    quantities = of_path(x, path, resonances(x, situation.sample_rate), situation, unit)
     if defective:
         quantities |= of_defect(left, situation, measured, refusal)
-        kind = None if refusal is None else refusal.kind
         statement = in_words(situation.place, quantities['defect_width_mm'], kind)
-        if refusal is not None and refusal.kind is Kind.NO_IMPACTS:
+        if refusal is not None and kind is Kind.NO_IMPACTS:
             statement = f'no width: {refusal.why}'
     else:
         width, statement = without_defect(x, situation, scale, unit, seed, refusal)
-        quantities |= {'defect_width_mm': width, **assumed_quantities(values, weights, situation)}
+        assumed = assumed_quantities(left.values, left.weights, situation)
+        quantities |= {'defect_width_mm': width, **assumed}
     fitted = path.filter(seed).apply(twin)[len(path.denominator) :]
     machine, own, other = (
         band_levels(y, situation.sample_rate) for y in (x, fitted, before / scale)
@@ -284,7 +322,7 @@ def _fitted(
         situation=situation,
         quantities=quantities,
         statement=statement,
-        refusal=None if refusal is None else refusal.kind,
+        refusal=kind,
         path=path,
         distance_before=distance(machine, other),
         distance=distance(machine, own),
@@ -294,12 +332,32 @@ def _fitted(
         level=20.0 * math.log10(fitted.std() / x.std()),
         spectrum=machine,
         rms=float(x.std()),
-        candidates=values,
-        weights=weights,
+        candidates=left.values,
+        weights=left.weights,
         sensor_unit=unit,
         impacts=seen,
         cost_s=time.process_time() - start,
     )
+
+
+def _refusal(
+    x: FloatArray,
+    whole: Correlation,
+    measured: Summary,
+    situation: Situation,
+    gear: Refusal | None,
+    *,
+    named: bool,
+) -> Refusal | None:
+    """Return why a record of a race defect tells no width, before any simulation; else None."""
+    # A part that the diagnosis names has impacts.
+    found = no_impacts(x, situation) if named else None
+    found = found or half_frequency(x, situation)
+    # A defect beside a gear may be wider than the distance of the gear's impacts.
+    found = found or (gear and with_longest_spacing(gear, whole, measured, situation))
+    found = found or too_wide(whole, situation, measured)
+    found = found or unresolved(whole, measured, situation)
+    return found or copied(x, situation, measured)
 
 
 def _defect(
@@ -332,15 +390,11 @@ def _defect(
 def _path(
     x: FloatArray,
     situation: Situation,
-    values: dict[str, FloatArray],
-    weights: FloatArray,
+    left: Posterior,
     seed: int,
 ) -> tuple[SensorPath, FloatArray]:
     """Identify the path of the median candidate; also return its acceleration without noise."""
-    typical = {
-        name: np.full(1, float(posterior.weighted_quantile(v, weights, (0.5,))[0]))
-        for name, v in values.items()
-    }
+    typical = {name: left.quantiles(name, (0.5,)) for name in left.values}
     ratio = float(typical['noise_ratio'][0])
     typical['noise_ratio'] = np.zeros(1)
     seconds = min(len(x) / situation.sample_rate, max(2.0, LEAST_PASSAGES / situation.shaft_hz))

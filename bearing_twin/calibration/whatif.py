@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
+import itertools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.candidates.cloud import IMPACTS, SETTLE_S, vibrations
+from bearing_twin.calibration.candidates.cloud import FASTEST_HZ, IMPACTS
 from bearing_twin.calibration.candidates.passage import load_range, widest
-from bearing_twin.calibration.measured.path import REACH_S
+from bearing_twin.calibration.fit import sensor_signals
 from bearing_twin.calibration.measured.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.machine.dependence import PER_KELVIN, PER_OCTAVE
@@ -29,6 +31,8 @@ FloatArray = npt.NDArray[np.float64]
 
 TURNS = 60.0
 """Shaft turns simulated of each candidate; enough for a diagnosis."""
+SLOWEST_HZ = 0.5
+"""Lowest shaft speed of a prediction, Hz."""
 NARROWEST_MM = 0.05
 """Narrowest defect that the twin simulates."""
 DIAGNOSED = 12
@@ -127,37 +131,55 @@ def expect(
     (['healthy'], 0.85)
 
     """
-    place = found.defect
+    situation = _situation(found, shaft_hz, temperature, width_mm)
+    rng = np.random.default_rng([seed, 3])
+    drawn = rng.choice(len(found.weights), size=candidates, p=found.weights)
+    fitted = {name: v[drawn] for name, v in found.candidates.items()}
+    values = dict(fitted)
+    if load is not None:
+        load = load_range(situation.bearing, load)
+        values['load'] = load[0] * (load[1] / load[0]) ** rng.random(candidates)
+    if width_mm is not None:
+        values['defect_width_mm'] = np.full(candidates, width_mm)
+    rows: list[dict[str, float]] = []
+    verdicts: Counter[str] = Counter()
+    seconds = TURNS / situation.shaft_hz
+    for x in sensor_signals(found, situation, values, seconds, seed, itertools.count(seed)):
+        rows.append(features(x, situation.sample_rate, situation.longest_spacing))
+        if len(rows) <= DIAGNOSED:
+            said = diagnose_record(x, situation.sample_rate, situation.bearing, situation.shaft_hz)
+            verdicts[said.result] += 1
+    gains = _changes(found, situation, candidates, rng)
+    if situation.place != 'none':
+        gains = gains * _gains(found, fitted, seed)
+    doubt = rng.standard_normal(candidates)
+    factors = {'rms': gains, 'peak': gains}
+    factors |= {name: np.exp(scatter * doubt) for name, scatter in _DOUBT.items()}
+    widths, loads = values['defect_width_mm'], values['load']
+    healthy = situation.place == 'none'
+    return Expectation(
+        shaft_hz=situation.shaft_hz,
+        temperature=situation.temperature,
+        load=load or (float(loads.min()), float(loads.max())),
+        width_mm=(0.0, 0.0) if healthy else (float(widths.min()), float(widths.max())),
+        vibration=_intervals(rows, factors, found.sensor_unit or 'unit of the samples'),
+        verdicts={name: _share(verdicts[name], verdicts.total()) for name in sorted(verdicts)},
+    )
+
+
+def _situation(
+    found: Calibration, shaft_hz: float | None, temperature: float | None, width_mm: float | None
+) -> Situation:
+    """Return the new conditions, see :func:`expect`, if they can be simulated."""
+    given, place = found.situation, found.defect
     if place not in ('inner', 'outer', 'none'):
         msg = f'a {place} defect is not fitted; what-if holds for races and healthy bearings'
         raise BearingTwinError(msg)
-    if width_mm is not None and place == 'none':
-        msg = (
-            'a width is given, and the fit found no defect; fit again with --place inner or outer'
-        )
-        raise BearingTwinError(msg)
-    known = found.twin_situation
-    most = 1e3 * widest(known.bearing)
-    if width_mm is not None and not NARROWEST_MM <= width_mm <= most:
-        msg = (
-            f'a width of {width_mm:g} mm is outside {NARROWEST_MM:g}..{most:.3g} mm: '
-            'narrower than is simulated, or wider than half a ball or two balls apart'
-        )
-        raise BearingTwinError(msg)
-    if width_mm is not None and known.place == 'none':
-        msg = (
-            'a width is given, and nothing was seen of the defect that was looked for: how strong '
-            'it would be is not known'
-        )
-        raise BearingTwinError(msg)
-    place = known.place
-    situation = replace(
-        known,
-        shaft_hz=found.situation.shaft_hz if shaft_hz is None else shaft_hz,
-        temperature=found.situation.temperature if temperature is None else temperature,
-    )
-    if not 0.5 <= situation.shaft_hz <= 500.0:
-        msg = f'a shaft speed of {situation.shaft_hz:g} Hz is outside 0.5..500 Hz'
+    if width_mm is not None:
+        _check_width(width_mm, found)
+    hertz = given.shaft_hz if shaft_hz is None else shaft_hz
+    if not SLOWEST_HZ <= hertz <= FASTEST_HZ:
+        msg = f'a shaft speed of {hertz:g} Hz is outside {SLOWEST_HZ:g}..{FASTEST_HZ:g} Hz'
         raise BearingTwinError(msg)
     if temperature is not None and not TABLE_LOW <= temperature <= TABLE_HIGH:
         msg = (
@@ -165,55 +187,47 @@ def expect(
             'degC, in which the steel of the twin is known'
         )
         raise BearingTwinError(msg)
-    rng = np.random.default_rng([seed, 3])
-    drawn = rng.choice(len(found.weights), size=candidates, p=found.weights)
-    values = {name: v[drawn] for name, v in found.candidates.items()}
-    if load is not None:
-        load = load_range(situation.bearing, load)
-        values['load'] = load[0] * (load[1] / load[0]) ** rng.random(candidates)
-    if width_mm is not None:
-        values['defect_width_mm'] = np.full(candidates, width_mm)
-    values['noise_ratio'] = np.zeros(candidates)
-    rate, settle = situation.sample_rate, SETTLE_S + REACH_S
-    unit = found.sensor_unit or 'unit of the samples'
-    rows: list[dict[str, float]] = []
-    verdicts: list[str] = []
-    seconds = TURNS / situation.shaft_hz + settle
-    for batch in vibrations(situation, values, seconds, seed):
-        for x in batch:
-            y = found.path.filter(seed + len(rows)).apply(x)[int(settle * rate) :]
-            rows.append(features(y, rate, situation.longest_spacing))
-            if len(verdicts) < DIAGNOSED:
-                said = diagnose_record(y, rate, situation.bearing, situation.shaft_hz)
-                verdicts.append(said.result)
-    gains = _changes(found, situation, candidates, rng)
-    if place != 'none':
-        strengths = {name: v[drawn] for name, v in found.candidates.items()}
-        gains = gains * _gains(found, known, strengths, seed)
+    celsius = given.temperature if temperature is None else temperature
+    return replace(found.twin_situation, shaft_hz=hertz, temperature=celsius)
+
+
+def _check_width(width_mm: float, found: Calibration) -> None:
+    """Refuse a width, mm, that is not simulated, or without a defect that a record shows."""
+    most = 1e3 * widest(found.situation.bearing)
+    if found.defect == 'none':
+        msg = (
+            'a width is given, and the fit found no defect; fit again with --place inner or outer'
+        )
+    elif not NARROWEST_MM <= width_mm <= most:
+        msg = (
+            f'a width of {width_mm:g} mm is outside {NARROWEST_MM:g}..{most:.3g} mm: '
+            'narrower than is simulated, or wider than half a ball or two balls apart'
+        )
+    elif found.twin_situation.place == 'none':
+        msg = (
+            'a width is given, and nothing was seen of the defect that was looked for: how strong '
+            'it would be is not known'
+        )
+    else:
+        return
+    raise BearingTwinError(msg)
+
+
+def _intervals(
+    rows: list[dict[str, float]], factors: dict[str, FloatArray], unit: str
+) -> dict[str, Interval]:
+    """Return the interval of each figure; figures that few candidates have are left out."""
     units = {'rms': unit, 'peak': unit, 'spacing_ms': 'ms'}
-    doubt = rng.standard_normal(candidates)
-    factors = {'rms': gains, 'peak': gains}
-    factors |= {name: np.exp(scatter * doubt) for name, scatter in _DOUBT.items()}
-    vibration = {}
+    found = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows]) * factors.get(name, 1.0)
         column = column[np.isfinite(column)]
         if len(column) > len(rows) // 4:
             low, median, high = np.quantile(column, (0.05, 0.5, 0.95))
-            vibration[name] = Interval(
+            found[name] = Interval(
                 q05=float(low), median=float(median), q95=float(high), unit=units.get(name, '')
             )
-    widths, loads = values['defect_width_mm'], values['load']
-    return Expectation(
-        shaft_hz=situation.shaft_hz,
-        temperature=situation.temperature,
-        load=load or (float(loads.min()), float(loads.max())),
-        width_mm=(0.0, 0.0) if place == 'none' else (float(widths.min()), float(widths.max())),
-        vibration=vibration,
-        verdicts={
-            name: _share(verdicts.count(name), len(verdicts)) for name in sorted(set(verdicts))
-        },
-    )
+    return found
 
 
 def _share(count: int, of: int) -> Interval:
@@ -222,23 +236,16 @@ def _share(count: int, of: int) -> Interval:
     return Interval(q05=float(low), median=float(median), q95=float(high), unit='')
 
 
-def _gains(
-    found: Calibration, situation: Situation, values: dict[str, FloatArray], seed: int
-) -> FloatArray:
+def _gains(found: Calibration, values: dict[str, FloatArray], seed: int) -> FloatArray:
     """
     Return the gain of the sensor's path for each candidate, over that of the median candidate.
 
     Only the product of gain and strength of the impacts is known: the level of the record.
     """
-    values = values | {'noise_ratio': np.zeros(len(values['load']))}
-    settle = SETTLE_S + REACH_S
-    skipped = int(settle * situation.sample_rate)
-    levels = [
-        found.path.filter(seed).apply(x)[skipped:].std()
-        for batch in vibrations(situation, values, IMPACTS / situation.impact_rate + settle, seed)
-        for x in batch
-    ]
-    return found.rms / np.array(levels)
+    situation = found.twin_situation
+    seconds, seeds = IMPACTS / situation.impact_rate, itertools.repeat(seed)
+    signals = sensor_signals(found, situation, values, seconds, seed, seeds)
+    return found.rms / np.array([x.std() for x in signals])
 
 
 def _changes(
