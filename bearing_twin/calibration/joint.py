@@ -11,7 +11,7 @@ from bearing_twin.calibration.answer.estimates import next_ball, spacing_shortfa
 from bearing_twin.calibration.answer.impacts import follows_speed, ringing
 from bearing_twin.calibration.answer.refusals import Kind
 from bearing_twin.calibration.answer.result import Estimate, in_words, UNBOUNDED_REASONS
-from bearing_twin.calibration.candidates.posterior import weighted_quantile
+from bearing_twin.calibration.candidates.posterior import weighted_quantile, WIDTH
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from bearing_twin.calibration.answer.impacts import Impacts
     from bearing_twin.calibration.answer.result import Calibration
     from bearing_twin.calibration.candidates.cloud import Situation
-
-
-WIDTH = 'defect_width_mm'
 
 
 def corrected_by_speeds(found: Calibration, others: Iterable[Impacts]) -> Calibration:

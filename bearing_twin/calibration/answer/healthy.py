@@ -109,8 +109,8 @@ def comb(x: FloatArray, sample_rate: float, frequency: float, orders_of: float =
         if not len(near):
             break
         lines.append(float(near.max()))
-        floor = float(np.median(around[around > 0.0])) if around.any() else math.inf
-        ratios.append(lines[-1] / max(floor / math.log(2.0), 1e-300))
+        floor = _floor(around[around > 0.0]) if around.any() else math.inf
+        ratios.append(lines[-1] / max(floor, 1e-300))
         bins.append(len(near))
     if not lines:
         return Comb(0.0, math.inf, 0.0)
@@ -131,6 +131,11 @@ def _spectrum(x: FloatArray, sample_rate: float) -> tuple[FloatArray, float]:
     window = scipy.signal.windows.hann(len(envelope), sym=False)
     power = np.abs(fft.rfft(window * (envelope - mean))) ** 2
     return power / max((mean * window.sum()) ** 2, 1e-300), rate / len(envelope)
+
+
+def _floor(power: FloatArray) -> float:
+    """Return the mean power of noise: the median of an exponential distribution over ln 2."""
+    return float(np.median(power)) / math.log(2.0)
 
 
 def _on_order(power: FloatArray, step: float, shaft_hz: float) -> npt.NDArray[np.bool_]:
@@ -199,8 +204,7 @@ def line_over_floor(x: FloatArray, situation: Situation) -> float:
     power = np.abs(fft.rfft(envelope)) ** 2
     hertz = np.arange(len(power)) * rate / len(envelope)
     apart = hertz / situation.impact_rate - 1.0
-    near = np.abs(apart) < SLIPPED
-    floor = float(np.median(power[np.abs(apart) < 0.2])) / math.log(2.0)
+    near, floor = np.abs(apart) < SLIPPED, _floor(power[np.abs(apart) < 0.2])
     return float(power.max(initial=0.0, where=near)) / max(floor, 1e-300)
 
 
@@ -234,7 +238,7 @@ def order_of_the_shaft(x: FloatArray, situation: Situation) -> int:
     power, step = _spectrum(x, situation.sample_rate)
     hertz = np.arange(len(power)) * step
     apart = hertz / situation.impact_rate - 1.0
-    floor = float(np.median(power[np.abs(apart) < 0.2])) / math.log(2.0)
+    floor = _floor(power[np.abs(apart) < 0.2])
     orders = np.round(hertz / situation.shaft_hz)
     on_order = _on_order(power, step, situation.shaft_hz) & (orders > 0)
     near = np.abs(apart) < SLIPPED
@@ -276,7 +280,7 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
     away = np.minimum(*(np.abs(hertz - share * line) for share in (0.5, 1.5)))
     between = (away <= LOBE * step) & ~_on_order(power, step, situation.shaft_hz)
     highest = float(power.max(initial=0.0, where=between))
-    floor = float(np.median(power[np.abs(hertz - line) < 0.6 * line])) / math.log(2.0)
+    floor = _floor(power[np.abs(hertz - line) < 0.6 * line])
     by_chance = floor * math.log(max(int(between.sum()), 1) / CHANCE)
     return highest / own if highest > by_chance else 0.0
 

@@ -141,19 +141,12 @@ class Calibration:
         """
         return parameters(self.twin_situation, self.typical())
 
-    def _running(self) -> dict[str, Any]:
-        """Return the values that a running twin takes from a calibration."""
-        twin = self.twin_parameters()
-        return {
-            'defects': [asdict(defect) for defect in twin.defects],
-            **{name: getattr(twin, name) for name in FITTED},
-        }
-
     def to_dict(self) -> dict[str, Any]:
         """Return the calibration as plain values, which :meth:`from_dict` reads."""
         bearing = {
             name: value for name, value in asdict(self.situation.bearing).items() if value != ''
         }
+        twin = self.twin_parameters()
         return {
             'quantities': {name: asdict(value) for name, value in self.quantities.items()},
             'defect': self.defect,
@@ -169,7 +162,11 @@ class Calibration:
                 'machine_db': self.spectrum.tolist(),
                 'machine_rms': self.rms,
             },
-            'twin': self._running(),
+            # The values that a running twin takes from a calibration.
+            'twin': {
+                'defects': [asdict(defect) for defect in twin.defects],
+                **{name: getattr(twin, name) for name in FITTED},
+            },
             'machine': {
                 'bearing': bearing,
                 'shaft_hz': self.situation.shaft_hz,

@@ -15,8 +15,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import basic_dynamic_rating, fault_frequencies, radial_factor
+from bearing_twin.bearing import fault_frequencies, radial_factor
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.thermal.life import dynamic_rating
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
@@ -135,10 +136,7 @@ def load_range(bearing: Bearing, given: tuple[float, float] | None = None) -> tu
 
     """
     if given is None:
-        rating = bearing.dynamic_rating or basic_dynamic_rating(
-            bearing.n_balls, bearing.d_ball, bearing.gamma, bearing.contact_angle
-        )
-        low, high = (share * rating for share in LOAD_SHARES)
+        low, high = (share * dynamic_rating(bearing) for share in LOAD_SHARES)
         return max(low, 10.0), min(max(high, 20.0), 50e3)
     low, high = given
     if not (10.0 <= low <= high <= 50e3):
