@@ -68,9 +68,9 @@ class Baseline:
 
 def settled_baseline(
     window: Sequence[Sequence[float]], laws: Sequence[Law] = (), kelvin: float = SETTLED_K
-) -> Baseline | None:
+) -> tuple[Baseline | None, str]:
     """
-    Return the baseline of a window; None if level or temperature have not settled.
+    Return the baseline of a window, or None and in words what of it has not settled.
 
     Each row holds time in s, temperature in degC, log2 of the speed in Hz and the levels in dB.
     With the law of each measure, levels are compared at one temperature, and the temperature may
@@ -78,27 +78,11 @@ def settled_baseline(
 
     Examples
     --------
-    >>> base = settled_baseline([[t, 60.0, 4.6, 3.0] for t in range(20)])
+    >>> base, _ = settled_baseline([[t, 60.0, 4.6, 3.0] for t in range(20)])
     >>> base.times, base.levels
     ([0.0, 19.0], [3.0])
-    >>> settled_baseline([[t, 40.0 + t, 4.6, 3.0] for t in range(20)]) is None
-    True
-
-    """
-    found = _baseline_or_why(window, laws, kelvin)
-    return None if isinstance(found, str) else found
-
-
-def _baseline_or_why(
-    window: Sequence[Sequence[float]], laws: Sequence[Law], kelvin: float
-) -> Baseline | str:
-    """
-    Return the baseline of a window, or in words what of it has not settled.
-
-    Arguments as in :func:`settled_baseline`.
-
-    >>> _baseline_or_why([[t, 60.0, 4.6, 0.1 * t] for t in range(20)], (), SETTLED_K)
-    'the level moves by 2.0 dB'
+    >>> settled_baseline([[t, 60.0, 4.6, 0.1 * t] for t in range(20)])
+    (None, 'the level moves by 2.0 dB')
 
     """
     table = np.array(window, dtype=np.float64)
@@ -108,24 +92,25 @@ def _baseline_or_why(
     for column, law in enumerate(laws):
         levels[:, column] -= [law.temperature.correct(value, middle_heat)[0] for value in heat]
     if (moves := _drift(levels[:, 0])) > SETTLED_DB:
-        return f'the level moves by {moves:.1f} dB'
+        return None, f'the level moves by {moves:.1f} dB'
     # The level of the whole signal is what settles: its law is the first.
     if laws and (whole := laws[0].temperature).known:
         known = known - np.clip(known, whole.low, whole.high)
     if len(known) > len(table) // 2 and (moves := _drift(known)) > kelvin:
-        return f'the temperature moves by {moves:.1f} K'
+        return None, f'the temperature moves by {moves:.1f} K'
     # Of the levels as measured: a law can turn out to be of something else, and is given up then.
     apart = np.abs(measured - np.median(measured, axis=0))
     scatter = 1.4826 * np.median(apart, axis=0)
     if scatter[0] > MOST_SCATTER_DB:
-        return f'the level scatters by {scatter[0]:.1f} dB'
-    return Baseline(
+        return None, f'the level scatters by {scatter[0]:.1f} dB'
+    base = Baseline(
         levels=np.median(levels, axis=0).tolist(),
         scatter=scatter.tolist(),
         temperature=middle_heat,
         octaves=float(np.median(table[:, 2])),
         times=table[[0, -1], 0].tolist(),
     )
+    return base, ''
 
 
 def _drift(values: NDArray[np.float64]) -> float:
@@ -217,11 +202,11 @@ class Memory:
             self.medians[speed] = [min(self.medians.get(speed, [middle])[0], middle), reached]
         if len(window) < wanted:
             return False
-        new, base = settled_baseline(window), self.base
+        (new, _), base = settled_baseline(window), self.base
         allowed = self._allowed(laws, time)
         if not (new or base) and allowed != ([], SETTLED_K):
             # A first baseline need not wait for a temperature that swings or creeps.
-            new = settled_baseline(window, *allowed)
+            new, _ = settled_baseline(window, *allowed)
         if not new or self._over_lowest(speed, new.levels[0], new.temperature) >= most:
             return False
         if base and base.levels[0] - new.levels[0] < max(SETTLED_DB, 2.0 * base.scatter[0]):
@@ -257,9 +242,9 @@ class Memory:
         """Return why the largest window of levels at one speed is no baseline, in words."""
         speed, window = max(self.windows.items(), key=lambda each: len(each[1]))
         laws = self.laws(len(window[0]) - 3)
-        found = _baseline_or_why(window, *self._allowed(laws, window[-1][0]))
-        if isinstance(found, str):
-            return found
+        found, why = settled_baseline(window, *self._allowed(laws, window[-1][0]))
+        if found is None:
+            return why
         over = self._over_lowest(speed, found.levels[0], found.temperature)
         return (
             f'the level has settled {over:.1f} dB above the lowest so far (if the machine was '
