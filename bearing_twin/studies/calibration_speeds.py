@@ -9,7 +9,7 @@ twin; and echoes and gears, which are no passages.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -56,77 +56,135 @@ FASTER = 1.3, 2.0
 """Ratio of the fastest speed to the slowest."""
 
 
-def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
-    """Compare the impacts of a machine at two or three speeds; no record is fitted."""
-    rng, machine, _ = drawn_machine(number, 30 + KINDS.index(kind))
-    soft = 'soft' in kind
-    if soft:
-        machine = replace(machine, slip=rng.uniform(0.0, 0.02))
+@dataclass(frozen=True, kw_only=True)
+class _Machine:
+    """
+    What is drawn once for all records of a machine: lengths in m, times in s.
+
+    ``heights`` are those of entry and exit, ``faint_db`` is the attenuation of a soft entry, and
+    ``mesh`` the height of the lines of a gear beside it. ``noise`` is over the RMS of a vibration.
+    """
+
+    kind: str
+    number: int
+    situation: Situation
+    """At the slowest speed."""
+    modes: list[tuple[float, ...]]
+    truth: dict[str, FloatArray]
+    """Unknowns of a twin."""
+    width: float
+    sinking: float
+    """Sinking that unloads a ball."""
+    heights: tuple[float, float]
+    noise: float
+    faint_db: float
+    mesh: float
+    teeth: int
+    echoes_s: FloatArray
+    echoed: FloatArray
+    """Heights of the echoes."""
+
+    def record(self, here: Situation, index: int, rng: np.random.Generator) -> FloatArray:
+        """Return the sensor signal at one speed, the one of number ``index``."""
+        if self.kind == 'twins':
+            x = next(vibrations(here, self.truth, SECONDS, self.number + 100 * index))[0]
+            return ring(x, here.sample_rate, self.modes)
+        x = self._slot(here, rng) if 'soft' in self.kind else self._train(here, rng)
+        return np.asarray(x + self.noise * x.std() * rng.standard_normal(len(x)))
+
+    def _spacing_s(self, here: Situation) -> float:
+        curvature = path_curvature(here.bearing, here.place)
+        return impact_spacing(self.width, self.sinking, curvature) / here.speed
+
+    def _slot(self, here: Situation, rng: np.random.Generator) -> FloatArray:
+        """Return the vibration of a slot with a soft entry, maybe beside a gear."""
+        apart = self._spacing_s(here)
+        x = _soft(here, apart, self.sinking, self.modes, self.faint_db, rng)
+        if self.kind.endswith('gear'):
+            rate = here.sample_rate
+            turns = 2.0 * np.pi * self.teeth * here.shaft_hz * np.arange(len(x)) / rate
+            tones = [np.cos(k * turns + rng.uniform(0.0, 6.3)) / k for k in range(1, 6)]
+            x += self.mesh * _force_response(np.sum(tones, axis=0), rate, self.modes)
+        return x
+
+    def _train(self, here: Situation, rng: np.random.Generator) -> FloatArray:
+        """Return impacts, or the teeth of a gear, through the resonances of the path."""
+        apart: list[float] = [self._spacing_s(here)]
+        shares: tuple[float, ...] = self.heights
+        if self.kind == 'impacts at the edges':
+            apart = [self.width / here.speed]
+        elif self.kind == 'echoes at fixed times':
+            apart, shares = self.echoes_s.tolist(), (1.0, *self.echoed)
+        elif self.kind == 'echoes of changing heights':
+            apart = self.echoes_s.tolist()
+            shares = (1.0, *self.echoed * rng.uniform(0.1, 1.0, 3))
+        elif self.kind == 'gear':
+            apart, shares = [], (1.0,)
+        x = train(here, rng, apart, shares)
+        if self.kind == 'gear':
+            period = 1.0 / (self.teeth * here.shaft_hz)
+            at = np.round(np.arange(0.0, SECONDS, period) * here.sample_rate)
+            x[at[at < len(x)].astype(int)] += rng.uniform(0.2, 0.8)
+        return ring(x, here.sample_rate, self.modes)
+
+
+def _drawn(kind: str, number: int) -> tuple[_Machine, tuple[float, ...], np.random.Generator]:
+    """Draw a machine and the ratios of its speeds to the slowest; also return the generator."""
+    rng, situation, _ = drawn_machine(number, 30 + KINDS.index(kind))
+    options: dict[str, Any] = {}
+    if 'soft' in kind:
+        situation = replace(situation, slip=rng.uniform(0.0, 0.02))
+        options = {'count': (2, 4), 'lowest': 1500.0, 'most_damped': 0.08}
     ratio = rng.uniform(*FASTER)
-    factors = (1.0, ratio) if number % 2 else (1.0, ratio, math.sqrt(ratio))
-    modes = (
-        drawn_modes(machine.sample_rate, rng, count=(2, 4), lowest=1500.0, most_damped=0.08)
-        if soft
-        else drawn_modes(machine.sample_rate, rng)
-    )
-    truth = {name: u.place(rng.random(1)) for name, u in unknowns(machine).items()}
+    modes = drawn_modes(situation.sample_rate, rng, **options)
+    truth = {name: u.place(rng.random(1)) for name, u in unknowns(situation).items()}
     width = 1e-3 * float(truth['defect_width_mm'][0])
     if kind != 'twins':
-        width = float(rng.uniform(0.2e-3, widest(machine.bearing)))
-    low, high = load_range(machine.bearing)
-    sinking = interference(machine.bearing, low * (high / low) ** rng.random())
-    heights, noise = (rng.uniform(0.4, 1.0), -1.0), 10.0 ** rng.uniform(-2.0, -0.5)
-    faint_db, mesh = rng.uniform(0.0, 14.0), rng.uniform(0.2, 1.0)
-    teeth = int(rng.integers(13, 46))
-    echoes = rng.uniform(0.3, 1.0) * width / machine.speed * rng.uniform(
-        (1.0, 0.3, 1.1), (1.0, 0.9, 1.6)
+        width = float(rng.uniform(0.2e-3, widest(situation.bearing)))
+    low, high = load_range(situation.bearing)
+    machine = _Machine(
+        kind=kind,
+        number=number,
+        situation=situation,
+        modes=modes,
+        truth=truth,
+        width=width,
+        sinking=interference(situation.bearing, low * (high / low) ** rng.random()),
+        heights=(rng.uniform(0.4, 1.0), -1.0),
+        noise=10.0 ** rng.uniform(-2.0, -0.5),
+        faint_db=rng.uniform(0.0, 14.0),
+        mesh=rng.uniform(0.2, 1.0),
+        teeth=int(rng.integers(13, 46)),
+        echoes_s=rng.uniform(0.3, 1.0) * width / situation.speed
+        * rng.uniform((1.0, 0.3, 1.1), (1.0, 0.9, 1.6)),
+        echoed=rng.uniform(0.2, 1.0, 3),
     )  # fmt: skip
-    echoed = rng.uniform(0.2, 1.0, 3)
+    return machine, (1.0, ratio) if number % 2 else (1.0, ratio, math.sqrt(ratio)), rng
+
+
+def look_at_speeds(kind: str, number: int) -> list[dict[str, Any]]:
+    """Compare the impacts of a machine at two or three speeds; no record is fitted."""
+    machine, factors, rng = _drawn(kind, number)
     seen: list[Impacts] = []
     for index, factor in enumerate(factors):
-        here = replace(machine, shaft_hz=machine.shaft_hz * factor)
-        rate = here.sample_rate
-        apart = impact_spacing(width, sinking, path_curvature(here.bearing, here.place))
-        if kind == 'twins':
-            x = next(vibrations(here, truth, SECONDS, number + 100 * index))[0]
-        elif kind == "impacts of a ball's path":
-            x = train(here, rng, [apart / here.speed], heights)
-        elif kind == 'impacts at the edges':
-            x = train(here, rng, [width / here.speed], heights)
-        elif kind == 'echoes at fixed times':
-            x = train(here, rng, list(echoes), (1.0, *echoed))
-        elif kind == 'echoes of changing heights':
-            x = train(here, rng, list(echoes), (1.0, *echoed * rng.uniform(0.1, 1.0, 3)))
-        elif kind == 'gear':
-            x = train(here, rng, [], (1.0,))
-            at = np.round(np.arange(0.0, SECONDS, 1.0 / (teeth * here.shaft_hz)) * rate)
-            x[at[at < len(x)].astype(int)] += rng.uniform(0.2, 0.8)
-        if soft:
-            x = _soft(here, apart / here.speed, sinking, modes, faint_db, rng)
-            if kind.endswith('gear'):
-                turns = 2.0 * np.pi * teeth * here.shaft_hz * np.arange(len(x)) / rate
-                tones = [np.cos(k * turns + rng.uniform(0.0, 6.3)) / k for k in range(1, 6)]
-                x += mesh * _force_response(np.sum(tones, axis=0), rate, modes)
-        else:
-            x = ring(x, rate, modes)
-        if kind != 'twins':
-            x += noise * x.std() * rng.standard_normal(len(x))
+        here = replace(machine.situation, shaft_hz=machine.situation.shaft_hz * factor)
+        x = machine.record(here, index, rng)
         # The comparison does not know the slip.
         here = replace(here, slip=0.0)
-        whole = correlate(x, rate)
+        whole = correlate(x, here.sample_rate)
         measured = whole.summary(here.longest_spacing)
         impacts = impacts_of(whole, measured, here)
-        gear = no_impacts(x, here) or gear_mesh(x, rate, measured)
+        gear = no_impacts(x, here) or gear_mesh(x, here.sample_rate, measured)
         if impacts is not None and gear is None:
             seen.append(impacts)
-    groups = [
+    groups = (
         (each, *follows_speed(each, [other for other in seen if other is not each]))
         for each in seen
-    ]
+    )
     proved = next((group for group in groups if len(group) > 1), ())
-    row = {'width': 1e3 * width, 'compared': len(seen) > 1, 'proved': len(proved) > 0}
+    row = {'width': 1e3 * machine.width, 'compared': len(seen) > 1, 'proved': len(proved) > 0}
     if proved:
-        told = passage_width(replace(machine, slip=0.0), proved)
+        told = passage_width(replace(machine.situation, slip=0.0), proved)
         row |= {'q05': told.q05, 'median': told.median, 'q95': told.q95}
     return [row]
 
