@@ -38,6 +38,7 @@ import numpy as np
 from scipy import optimize
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Callable, Iterator, Sequence
 
     from bearing_twin.diagnosis import Diagnosis
@@ -330,8 +331,8 @@ def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Rated
     figure.savefig(path, dpi=80, metadata={'Software': None})
 
 
-def main(argv: Sequence[str] | None = None) -> None:
-    """Write the data files and print the check."""
+def _parser() -> argparse.ArgumentParser:
+    """Return the parser of the arguments."""
     parser = arguments(sys.modules[__name__], writes=True, twins=400, impacts=3000)
     parser.add_argument('--fresh', type=int, nargs=2, default=(400, 8000))
     fitted = parser.add_mutually_exclusive_group()
@@ -354,23 +355,23 @@ def main(argv: Sequence[str] | None = None) -> None:
     )
     parser.add_argument('--picture', type=Path, help='PNG file to write: the reliability diagram')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
-    args = parser.parse_args(argv)
-    if args.shipped and (args.kinds or args.rules):
-        parser.error('--shipped fits no weights: leave out --kinds and --rules')
+    return parser
+
+
+def _fitted(args: argparse.Namespace) -> dict[str, dict[str, float]]:
+    """Return the weights in use, with those that the arguments ask for fitted anew."""
     if args.shipped:
-        weights = shipped_weights()
-    else:
-        drawn = tasks(args.twins, args.impacts, FIRST)
-        told = _answers(args.output, drawn, args.jobs)
-        if args.rules:
-            weights = fit_rules(told, args.rules, shipped_weights())
-        else:
-            weights = shipped_weights() | fit(told, args.kinds or KINDS)
-    if args.weights:
-        about = 'written by python -m bearing_twin.studies.reliability'
-        write_table(args.weights, {'about': about, 'weights': weights})
-    fresh = _answers(args.output, tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
-    rows: list[Sequence[object]] = []
+        return shipped_weights()
+    told = _answers(args.output, tasks(args.twins, args.impacts, FIRST), args.jobs)
+    if args.rules:
+        return fit_rules(told, args.rules, shipped_weights())
+    return shipped_weights() | fit(told, args.kinds or KINDS)
+
+
+def _check(
+    weights: dict[str, dict[str, float]], fresh: Sequence[RatedAnswer]
+) -> Iterator[Sequence[object]]:
+    """Yield how far the confidence of fresh answers holds, by kind and range of confidence."""
     groups = {kind: [t for t in fresh if t.kind == kind] for kind in KINDS}
     # Answers with a lower cap than their rule.
     caps = {rule.name: rule.at_most for rule in RULES}
@@ -378,28 +379,30 @@ def main(argv: Sequence[str] | None = None) -> None:
     for kind, told in (groups | {'all': fresh}).items():
         said, right = _read(weights, told)
         if kind in KINDS:
-            rows += [
+            yield from (
                 (kind, f'{k / BINS:.1f} to {(k + 1) / BINS:.1f}', int(count), f'{mean:.2f}',
                  f'{share:.2f}', '', '', '')
                 for k, (count, mean, share) in enumerate(_counts(said, right).T)
                 if count
-            ]  # fmt: skip
+            )  # fmt: skip
         if told:
             means = (f'{values.mean():.2f}' for values in (said, right))
-            rows.append((f'**{kind}**', '', len(told), *means, *_errors(said, right)))
-    print_table(
-        (
-            'answer',
-            'confidence',
-            'answers',
-            'mean',
-            'right',
-            'error',
-            'by chance',
-            'without chance',
-        ),
-        rows,
-    )
+            yield f'**{kind}**', '', len(told), *means, *_errors(said, right)
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Write the data files and print the check."""
+    parser = _parser()
+    args = parser.parse_args(argv)
+    if args.shipped and (args.kinds or args.rules):
+        parser.error('--shipped fits no weights: leave out --kinds and --rules')
+    weights = _fitted(args)
+    if args.weights:
+        about = 'written by python -m bearing_twin.studies.reliability'
+        write_table(args.weights, {'about': about, 'weights': weights})
+    fresh = _answers(args.output, tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
+    heading = ('answer', 'confidence', 'answers', 'mean', 'right', 'error', 'by chance')
+    print_table((*heading, 'without chance'), _check(weights, fresh))
     if args.picture:
         _draw(args.picture, weights, fresh)
 
