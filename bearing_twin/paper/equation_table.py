@@ -11,9 +11,8 @@ from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims.model import static_position
 from bearing_twin.paper.figures.force import unit_force
+from bearing_twin.paper.settings import COLD, HOT
 import numpy as np
-
-COLD, HOT = settings.TEMPERATURE_NODES[0], settings.TEMPERATURE_NODES[-1]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -83,7 +83,7 @@ def _settings_text() -> str:
     return (
         f"The paper's: 6307, N_b = {bearing.n_balls}, d = {bearing.d_ball * 1e3:g} mm, D = "
         f'{bearing.d_pitch * 1e3:g} mm, f_r = {settings.SHAFT_HZ} r/s, '
-        f'{settings.TEMPERATURE_NODES[0]:g} to {settings.TEMPERATURE_NODES[-1]:g} °C in steps of '
+        f'{settings.COLD:g} to {settings.HOT:g} °C in steps of '
         f'10 °C, records of {settings.DURATION} s from an impact at t0 = 0.\n\n'
         f'Ours, where it gives none: Δh = {settings.DELTA_H:g}, Δμ = {settings.DELTA_MU:g}; '
         'masses, stiffnesses, load and spall of the presets `paper` (3.2 kN, spall 2.45 mm wide, '

@@ -39,6 +39,8 @@ SHAFT_HZ = 25.4
 """f_r, rev/s."""
 TEMPERATURE_NODES = tuple(float(t) for t in TEMPERATURES)
 """degC."""
+COLD, HOT = TEMPERATURE_NODES[0], TEMPERATURE_NODES[-1]
+"""Temperatures between which the paper states its trends, degC."""
 DURATION = 0.7
 """Length of the time records, s."""
 

@@ -23,9 +23,9 @@ FloatArray = npt.NDArray[np.float64]
 RATE = 25600.0
 PATHS = {'ball': 'path of a ball', 'rect': "equation 8's window"}
 STATES: tuple[tuple[settings.Factor, float], ...] = (
-    ('friction', settings.TEMPERATURE_NODES[0]),
-    ('expansion', settings.TEMPERATURE_NODES[-1]),
-    ('friction', settings.TEMPERATURE_NODES[-1]),
+    ('friction', settings.COLD),
+    ('expansion', settings.HOT),
+    ('friction', settings.HOT),
 )
 """Factor and temperature of the three runs of a point, in order of beta0."""
 

@@ -14,6 +14,7 @@ from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics.trend import impact_amplitude
 from bearing_twin.paper import measures, settings
 from bearing_twin.paper.runs import in_parallel, RunSpec, simulate
+from bearing_twin.paper.settings import COLD, HOT
 from bearing_twin.paper.space import Grid, SPACE, Space, STATES
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +37,7 @@ SMALL_DELTA_MU = 0.001
 LITERATURE_LOADS = (500.0, 2000.0)
 LITERATURE_WIDTHS = (0.8e-3, 1.6e-3, 2.8e-3)
 LITERATURE_DEPTHS = (15e-6, 40e-6)
+_LITERATURE = tuple(product(LITERATURE_LOADS, LITERATURE_WIDTHS, LITERATURE_DEPTHS))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,6 +149,65 @@ class Study:
         return float(points[-1].peak_heights.mean() / points[0].peak_heights.mean() - 1.0)
 
 
+def _plan(
+    space: Space, temperatures: Sequence[float]
+) -> dict[str, tuple[Callable[[RunSpec], Any], dict[Any, RunSpec]]]:
+    """Return what is done with each run, and all runs by what tells them apart, of each part."""
+    nodes, names, factors = settings.TEMPERATURE_NODES, settings.PRESET_NAMES, settings.FACTORS
+    long = functools.partial(RunSpec, seconds=FREQUENCY_SECONDS, rate=FREQUENCY_RATE)
+    return {
+        'trends': (trend_point, {
+            (p, f, t): RunSpec(
+                preset=p, factor=f, temperature=t, seconds=settings.DURATION + _beat()
+            )
+            for p, f, t in product(names, factors, nodes)
+        }),
+        'frequencies': (frequency_point, {
+            (p, s, t): long(preset=p, factor='all', temperature=t, slip_model=s)
+            for p, s, t in product(names, ('none', 'mu_proportional'), temperatures)
+        }),
+        'faults': (fault_point, {
+            place: long(preset='incipient', factor=None, temperature=COLD, defect=place)
+            for place in ('inner', 'outer', 'ball', 'cage')
+        }),
+        'physical': (warm_point, {
+            (p, t): RunSpec(preset=p, factor=None, temperature=t, thermal_mode='physical')
+            for p, t in product(names, (COLD, HOT))
+        }),
+        'ramp': (ramp_point, {
+            p: RunSpec(
+                preset=p, factor='all', temperature=HOT, was=COLD, ramp=True,
+                seconds=len(nodes) * _beat(),
+            )
+            for p in names
+        }),
+        'window': (only_amplitude, {
+            (f, t): RunSpec(
+                preset='paper', factor=f, temperature=t, profile='rect', width=WINDOW_WIDTH
+            )
+            for f, t in product(factors, (COLD, HOT))
+        }),
+        'initial_state_effect': (only_amplitude, {
+            (p, was): RunSpec(preset=p, factor='all', temperature=COLD, was=was)
+            for p, was in product(names, (COLD, HOT))
+        }),
+        'small_mu': (only_amplitude, {
+            (p, f, t): RunSpec(preset=p, factor=f, temperature=t, delta_mu=SMALL_DELTA_MU)
+            for p, f, t in product(names, factors[:3], (COLD, HOT))
+        }),
+        'literature': (only_amplitude, {
+            (name, load, width, depth, t): RunSpec(
+                preset=chosen, factor='all', temperature=t, load=load, width=width, depth=depth,
+                seconds=_beat(), rate=FREQUENCY_RATE, model=model,
+            )
+            for name, (chosen, model) in settings.PUBLISHED_MODELS.items()
+            for load, width, depth in _LITERATURE
+            for t in (COLD, HOT)
+        }),
+        'space': (only_amplitude, dict(enumerate(space.specs()))),
+    }  # fmt: skip
+
+
 def run_study(
     *,
     processes: int,
@@ -166,69 +227,14 @@ def run_study(
         Temperatures of the frequency shift, degC; 20, 100 and 110 have to be among them.
 
     """
-    nodes = settings.TEMPERATURE_NODES
-    names, factors = settings.PRESET_NAMES, settings.FACTORS
-    cold, hot = nodes[0], nodes[-1]
-    settings_of_models = list(product(LITERATURE_LOADS, LITERATURE_WIDTHS, LITERATURE_DEPTHS))
-    long = functools.partial(RunSpec, seconds=FREQUENCY_SECONDS, rate=FREQUENCY_RATE)
-    plan: dict[str, tuple[Callable[[RunSpec], Any], dict[Any, RunSpec]]] = {
-        'trends': (trend_point, {
-            (p, f, t): RunSpec(
-                preset=p, factor=f, temperature=t, seconds=settings.DURATION + _beat()
-            )
-            for p, f, t in product(names, factors, nodes)
-        }),
-        'frequencies': (frequency_point, {
-            (p, s, t): long(preset=p, factor='all', temperature=t, slip_model=s)
-            for p, s, t in product(names, ('none', 'mu_proportional'), temperatures)
-        }),
-        'faults': (fault_point, {
-            place: long(preset='incipient', factor=None, temperature=cold, defect=place)
-            for place in ('inner', 'outer', 'ball', 'cage')
-        }),
-        'physical': (warm_point, {
-            (p, t): RunSpec(preset=p, factor=None, temperature=t, thermal_mode='physical')
-            for p, t in product(names, (cold, hot))
-        }),
-        'ramp': (ramp_point, {
-            p: RunSpec(
-                preset=p, factor='all', temperature=hot, was=cold, ramp=True,
-                seconds=len(nodes) * _beat(),
-            )
-            for p in names
-        }),
-        'window': (only_amplitude, {
-            (f, t): RunSpec(
-                preset='paper', factor=f, temperature=t, profile='rect', width=WINDOW_WIDTH
-            )
-            for f, t in product(factors, (cold, hot))
-        }),
-        'initial_state_effect': (only_amplitude, {
-            (p, was): RunSpec(preset=p, factor='all', temperature=cold, was=was)
-            for p, was in product(names, (cold, hot))
-        }),
-        'small_mu': (only_amplitude, {
-            (p, f, t): RunSpec(preset=p, factor=f, temperature=t, delta_mu=SMALL_DELTA_MU)
-            for p, f, t in product(names, factors[:3], (cold, hot))
-        }),
-        'literature': (only_amplitude, {
-            (name, load, width, depth, t): RunSpec(
-                preset=chosen, factor='all', temperature=t, load=load, width=width, depth=depth,
-                seconds=_beat(), rate=FREQUENCY_RATE, model=model,
-            )
-            for name, (chosen, model) in settings.PUBLISHED_MODELS.items()
-            for load, width, depth in settings_of_models
-            for t in (cold, hot)
-        }),
-        'space': (only_amplitude, dict(enumerate(space.specs()))),
-    }  # fmt: skip
+    names, factors, plan = settings.PRESET_NAMES, settings.FACTORS, _plan(space, temperatures)
     jobs = [(work, spec) for work, specs in plan.values() for spec in specs.values()]
     done = iter(in_parallel(_do, jobs, processes=processes))
     found = {name: {key: next(done) for key in specs} for name, (_, specs) in plan.items()}
 
     def change(name: str, *key: Any) -> float:
         """Relative change of an amplitude from the cold to the hot one."""
-        before, after = (float(found[name][each]) for each in ((*key, cold), (*key, hot)))
+        before, after = (float(found[name][each]) for each in ((*key, COLD), (*key, HOT)))
         return after / before - 1.0
 
     logs = np.log(np.array(list(found['space'].values())).reshape(*space.shape, len(STATES)))
@@ -236,19 +242,19 @@ def run_study(
     slopes = (logs[..., 1:] - logs[..., :1]) / np.array(rise[1:])
     return Study(
         trends={
-            (p, f): tuple(found['trends'][p, f, t] for t in nodes)
+            (p, f): tuple(found['trends'][p, f, t] for t in settings.TEMPERATURE_NODES)
             for p, f in product(names, factors)
         },
         frequencies=found['frequencies'],
         faults=found['faults'],
         physical={
-            p: Warming(found['physical'][p, cold], found['physical'][p, hot]) for p in names
+            p: Warming(found['physical'][p, COLD], found['physical'][p, HOT]) for p in names
         },
         window={f: change('window', f) for f in factors},
         ramp=found['ramp'],
         initial_state_effect={p: change('initial_state_effect', p) for p in names},
         literature={
-            name: np.array([change('literature', name, *each) for each in settings_of_models])
+            name: np.array([change('literature', name, *each) for each in _LITERATURE])
             for name in settings.PUBLISHED_MODELS
         },
         small_mu={(p, f): change('small_mu', p, f) for p, f in product(names, factors[:3])},

@@ -150,7 +150,7 @@ def _rise(study: Study) -> Claim:
 def _friction(study: Study) -> Claim:
     moves = _moves(study)
     modes = {
-        name: [_contact_mode(name, t) for t in (COLD, settings.TEMPERATURE_NODES[-1])]
+        name: [_contact_mode(name, t) for t in (COLD, settings.HOT)]
         for name in settings.PRESET_NAMES
     }
     return Claim(
@@ -188,7 +188,7 @@ def _response() -> Claim:
         p = preset(name, bearing=settings.BEARING)
         values = [
             np.linalg.eigvals(system_matrix(p, equations.beta0('friction', t)))
-            for t in (COLD, settings.TEMPERATURE_NODES[-1])
+            for t in (COLD, settings.HOT)
         ]
         rates[name] = [float(np.abs(v.real).min()) for v in values]
         periods[name] = [1e3 * math.tau / float(np.abs(v).max()) for v in values]

@@ -11,6 +11,7 @@ from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims.claim import Claim, percent, percents
 from bearing_twin.paper.claims.verdicts import same_direction
+from bearing_twin.paper.settings import COLD, HOT
 from bearing_twin.paper.space import PATHS
 from bearing_twin.paper.study import SMALL_DELTA_MU, STARTS, WINDOW_WIDTH
 import numpy as np
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
 RESOLUTION = 0.001
 """Relative error of the simulation: changes below it have no direction."""
-COLD, HOT = settings.TEMPERATURE_NODES[0], settings.TEMPERATURE_NODES[-1]
 _SECTION = {'expansion': '3.1', 'hardness': '3.2', 'friction': '3.3', 'all': '3.4'}
 _FIGURES = {
     'expansion': ('figure 8', 'figures 9 and 10'),

@@ -50,7 +50,7 @@ def signal(study: Study) -> Figure:
     for instant in settings.PEAK_TIMES:
         first.axvline(instant, color=COLOURS[1], linewidth=0.8, linestyle=':')
     label(first, "housing acceleration; dotted: the paper's peak times", 'time t / s', 'a / m s⁻²')
-    point = study.frequencies['paper', 'none', settings.TEMPERATURE_NODES[0]]
+    point = study.frequencies['paper', 'none', settings.COLD]
     second.plot(*point.acceleration, color=COLOURS[0], linewidth=0.8)
     second.set_xlim(0.0, 3000.0)
     second.set_ylim(bottom=0.0)
