@@ -10,7 +10,7 @@ import itertools
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from bearing_twin.bearing import check_geometry, FAULT_CODES, LEVELS, PLACES
+from bearing_twin.bearing import check_geometry, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.machine.level import (
     UNRATED_CONFIDENCE,
@@ -258,8 +258,8 @@ def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagno
     result = 'ambiguous' if alarm else 'suspect'
     return replace(
         given, result=result, rule='another_speed', level='fault' if alarm else 'suspect',
-        faults=(said.result, *given.faults) if alarm else (), fault_code=FAULT_CODES[result],
-        confidence=UNRATED_CONFIDENCE, reasons=(*given.reasons, text),
+        faults=(said.result, *given.faults) if alarm else (), confidence=UNRATED_CONFIDENCE,
+        reasons=(*given.reasons, text),
     )  # fmt: skip
 
 
@@ -363,7 +363,7 @@ def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:
     text = f'impacts {round(order)} times a turn would look the same'
     return replace(
         part, result='ambiguous', level='suspect', confidence=UNRATED_CONFIDENCE,
-        fault_code=FAULT_CODES['ambiguous'], reasons=(*part.reasons, text),
+        reasons=(*part.reasons, text),
     )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
+from bearing_twin.bearing import fault_frequencies, PLACES
 from bearing_twin.diagnosis.detection_power import detectable_text, smallest_detectable
 from bearing_twin.diagnosis.result import Diagnosis, Spectrum
 from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS, SHAFT_TURNS
@@ -88,7 +88,6 @@ def report(
         rule=verdict.rule,
         level=verdict.level,
         faults=verdict.faults,
-        fault_code=FAULT_CODES[verdict.result],
         confidence=verdict.confidence,
         reasons=reasons,
         shaft_hz=shaft_hz,
@@ -218,7 +217,6 @@ def insufficient(
         result='insufficient',
         rule='record_gate',
         level='none',
-        fault_code=FAULT_CODES['insufficient'],
         reasons=tuple(reasons),
         first_sample=first_sample,
         sample_count=sample_count,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import PLACES
+from bearing_twin.bearing import FAULT_CODES, PLACES
 from bearing_twin.diagnosis.rules.confidence import Trust
 import numpy as np
 
@@ -55,7 +55,6 @@ class Diagnosis:
     another speed than the given one, '' if a series holds an answer that no rule gave."""
     level: str
     faults: tuple[str, ...] = ()
-    fault_code: str
     confidence: float = 0.0
     reasons: tuple[str, ...]
     first_sample: int
@@ -85,3 +84,8 @@ class Diagnosis:
     """Basis of the confidence; not in the message."""
     kind: str = ''
     """Kind of answer that the confidence belongs to; '' if there is none; not in the message."""
+
+    @property
+    def fault_code(self) -> str:
+        """Fault code of the result."""
+        return FAULT_CODES[self.result]

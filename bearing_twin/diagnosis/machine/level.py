@@ -8,7 +8,7 @@ from dataclasses import replace
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import FAULT_CODES, LEVELS
+from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.machine.dependence import Z90
 from bearing_twin.diagnosis.signal.severity import ZONE_C_OF_ALL, ZONE_D_OF_ALL
 
@@ -96,7 +96,6 @@ def with_required_level(diagnosis: Diagnosis) -> Diagnosis:
         diagnosis,
         result=result,
         level=level,
-        fault_code=FAULT_CODES[result],
         confidence=confidence,
         reasons=(*diagnosis.reasons, f'{why} is {meaning}{place}'),
     )

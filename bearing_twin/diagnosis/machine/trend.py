@@ -256,9 +256,8 @@ class Trend:
             # dead.
             if not diagnosis.faults:
                 diagnosis = replace(
-                    diagnosis, result='insufficient', level='none', confidence=0.0,
-                    fault_code=FAULT_CODES['insufficient'], kind='',
-                )  # fmt: skip
+                    diagnosis, result='insufficient', level='none', confidence=0.0, kind=''
+                )
             said.append(f'{over[0]:.1f} dB over the baseline: {FALLEN}')
         elif most:
             band = band_name(most, diagnosis.sample_rate)
@@ -349,7 +348,6 @@ class Trend:
             level=level,
             rule=answer.rule,
             faults=tuple(answer.faults),
-            fault_code=FAULT_CODES[answer.result],
             confidence=answer.confidence,
             kind=kind_of(answer.result, level, answer.faults, answer.rule),
             reasons=(*own.reasons, text),

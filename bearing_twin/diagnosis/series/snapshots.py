@@ -11,7 +11,6 @@ import math
 from typing import Any, TYPE_CHECKING
 import zlib
 
-from bearing_twin.bearing import FAULT_CODES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.machine.level import UNRATED_CONFIDENCE, with_fault_stage
 from bearing_twin.diagnosis.machine.trend import Source
@@ -269,5 +268,5 @@ def _held(alone: Diagnosis, report: SeriesReport) -> Diagnosis:
     return replace(
         alone, result=result, level=level, rule=report.doubt, kind='',
         confidence=0.0 if result == 'insufficient' else UNRATED_CONFIDENCE, faults=faults,
-        fault_code=FAULT_CODES[result], reasons=reasons, window=(alone.result, alone.level),
+        reasons=reasons, window=(alone.result, alone.level),
     )  # fmt: skip
