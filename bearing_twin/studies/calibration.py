@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     Row = dict[str, Any]
     Task = tuple[str, str, Callable[..., list[Row]], tuple[Any, ...]]
+    Table = tuple[Sequence[str], Iterable[Sequence[object]]]
 
 
 BINS = 10
@@ -143,75 +144,83 @@ def print_tables(lines: Iterable[Row]) -> None:
     groups: dict[str, list[Row]] = {}
     for line in sorted(lines, key=lambda line: line['name']):
         groups.setdefault(line['group'], []).extend(line['rows'])
+    for number, (heading, rows) in enumerate(_tables(groups)):
+        if number:
+            print()
+        print_table(heading, rows)
+
+
+def _tables(groups: dict[str, list[Row]]) -> Iterator[Table]:
+    """Yield the headings and rows of all tables."""
     fits = [
         name
         for name in ('HIT-SM', 'CWRU', *SIMULATED)
         if name in groups and not name.startswith(('paths', 'healthy', 'what if', SPEEDS))
     ]
-    print_table(
+    yield (
         ('width of a race defect', 'machines', 'identifiable', 'in 90 %, identifiable',
          'of the twin alone', 'in 90 %, all', 'in 50 %, identifiable',
          'median error from 0.5 mm', 'Spearman', 'ranks in ten bins', 'p of uniform ranks'),
-        (
-            (name, s['faulty'], s['identifiable'], f'{s["within_90"]:.2f}',
-             f'{s["within_90_own"]:.2f}', f'{s["within_90_all"]:.2f}', f'{s["within_50"]:.2f}',
-             f'{100.0 * s["median_error"]:.1f} %', f'{s["spearman"]:.2f}',
-             ', '.join(map(str, s['ranks'])), f'{s["chi_square_p"]:.3f}')
-            for name in fits for s in (summary(groups[name]),)
-        ),
+        (_widths(name, groups[name]) for name in fits),
     )  # fmt: skip
     paths = groups.get('paths', [])
-    print()
-    print_table(
+    yield (
         ('noise floor', 'compared', 'in 90 %', 'median error', 'ranks in ten bins',
          'p of uniform ranks'),
         _floors([row for row in paths if 'quantity' in row]),
     )  # fmt: skip
-    print()
-    print_table(
+    yield (
         ('strongest resonance', 'found', 'within the width of one of the path'),
         _resonances([row for row in paths if 'resonance' in row]),
     )
-    print()
-    print_table(
+    yield (
         ('confidence', 'healthy machines', 'limit, mm: median', 'most', 'wider defects added',
          'shown', 'named by the diagnosis', 'called healthy'),
         _healthy(groups.get('healthy', [])),
     )  # fmt: skip
-    print()
-    print_table(
+    yield (
         ('predicted', 'compared', 'in 90 %', 'median error'),
         _quantities([row for name in groups if name.startswith('what') for row in groups[name]]),
     )
-    print()
-    print_table(
+    yield (
         ('machines at two or three speeds', 'compared', 'passage proved', 'in 90 %',
          'median error'),
         _speeds(groups),
     )  # fmt: skip
-    print()
-    print_table(
+    yield (
         ('sample rate, kHz', 'fits', 'processor time, s: median', 'most'),
         _costs([row for name in fits for row in groups[name]]),
     )
     slots = [row for row in groups.get('HIT-SM', []) if math.isfinite(row['width'])]
     speeds = sorted({row['name'].rpartition('_')[2] for row in slots}, key=int)
-    print()
     heading = ('slot of HIT-SM, mm', *(f'{speed} 1/min' for speed in speeds))
-    print_table(heading, _by_slot(slots, speeds))
+    yield heading, _by_slot(slots, speeds)
     for name in ('HIT-SM', 'CWRU'):
-        print()
-        print_table(
+        yield (
             ('record', 'width, mm', 'place', '5 %', '50 %', '95 %', 'identifiable',
              'distance before, after, dB', 'level after, dB', 'why'),
-            (
-                (row['name'], f'{row["width"]:.2f}', row['place'], f'{row["q05"]:.2f}',
-                 f'{row["median"]:.2f}', f'{row["q95"]:.2f}', row['identifiable'],
-                 f'{row["distance_before"]:.1f}, {row["distance"]:.1f}', f'{row["level"]:.1f}',
-                 row['why'])
-                for row in groups.get(name, [])
-            ),
+            map(_record, groups.get(name, [])),
         )  # fmt: skip
+
+
+def _widths(name: str, rows: Sequence[Row]) -> tuple[object, ...]:
+    """Return how often the intervals of a group's widths hold, in words."""
+    s = summary(rows)
+    return (
+        name, s['faulty'], s['identifiable'], f'{s["within_90"]:.2f}',
+        f'{s["within_90_own"]:.2f}', f'{s["within_90_all"]:.2f}', f'{s["within_50"]:.2f}',
+        f'{100.0 * s["median_error"]:.1f} %', f'{s["spearman"]:.2f}',
+        ', '.join(map(str, s['ranks'])), f'{s["chi_square_p"]:.3f}',
+    )  # fmt: skip
+
+
+def _record(row: Row) -> tuple[object, ...]:
+    """Return the estimated width of a record, in words."""
+    return (
+        row['name'], f'{row["width"]:.2f}', row['place'], f'{row["q05"]:.2f}',
+        f'{row["median"]:.2f}', f'{row["q95"]:.2f}', row['identifiable'],
+        f'{row["distance_before"]:.1f}, {row["distance"]:.1f}', f'{row["level"]:.1f}', row['why'],
+    )  # fmt: skip
 
 
 def _by_slot(rows: Iterable[Row], speeds: Sequence[str]) -> Iterator[tuple[str, ...]]:
