@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Window:
     """Analysis of one window, before any decision."""
 
@@ -145,22 +145,22 @@ def analyse_window(
         power_sum += segment.lines
     speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
     return Window(
-        order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
-        speed,
-        bands,
-        spectra,
-        np.sqrt(power_sum / np.float32(len(segments))),
-        layout.sample_rate / (layout.hop + layout.lap),
-        measure_severity(
+        orders=order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
+        speed=speed,
+        bands=bands,
+        envelopes=spectra,
+        amplitude=np.sqrt(power_sum / np.float32(len(segments))),
+        bin_hz=layout.sample_rate / (layout.hop + layout.lap),
+        severity=measure_severity(
             Levels.together([segment.levels for segment in segments]),
             unit=unit or settings.unit,
             power_group=settings.power_group,
             mounting=settings.mounting,
             shaft_hz=shaft_hz,
         ),
-        1.0 / bin_hz,
-        power,
-        segments,
-        lap,
-        at,
+        seconds=1.0 / bin_hz,
+        low=power,
+        segments=segments,
+        lap=lap,
+        equal_angles=at,
     )

@@ -106,7 +106,7 @@ class Flat(NamedTuple):
         return _kurtosis(fft.irfft(self.spectrum, n=self.length)[self.inside])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Segment:
     """Results of the demodulation of a segment."""
 
@@ -197,14 +197,14 @@ def _layout(
     length = hop + lap
     bin_hz = sample_rate / length
     return Layout(
-        sample_rate,
-        hop,
-        lap,
-        step,
-        max(int(8.0 * shaft_hz / bin_hz), 64),
-        line_cap(hop / sample_rate * shaft_hz),
-        fault_orders(bearing).ftf * shaft_hz,
-        band_tree(length // 2, bin_hz, depth=depth, narrowest_hz=narrowest_hz, reach=_REACH),
+        sample_rate=sample_rate,
+        hop=hop,
+        lap=lap,
+        step=step,
+        floor_width=max(int(8.0 * shaft_hz / bin_hz), 64),
+        cap=line_cap(hop / sample_rate * shaft_hz),
+        cage_hz=fault_orders(bearing).ftf * shaft_hz,
+        tree=band_tree(length // 2, bin_hz, depth=depth, narrowest_hz=narrowest_hz, reach=_REACH),
     )
 
 
@@ -257,12 +257,12 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     if kurtosis > KURTOSIS:
         flat = Flat(white[0].copy(), length, slice(length - len(x) + lap, length - lap))
     return Segment(
-        tuple(squared_envelopes(white, layout.tree, points)),
-        slow,
-        power * np.float32((2.0 * length / taper_sum) ** 2),
-        levels,
-        kurtosis,
-        flat,
+        envelopes=tuple(squared_envelopes(white, layout.tree, points)),
+        slow=slow,
+        lines=power * np.float32((2.0 * length / taper_sum) ** 2),
+        levels=levels,
+        limited_kurtosis=kurtosis,
+        flat=flat,
     )
 
 
