@@ -314,41 +314,57 @@ def smallest_detectable_width(
 
     """
     rng = np.random.default_rng([seed, 2])
-    rate = situation.sample_rate
     background = measured[:_MOST_SAMPLES] - measured[:_MOST_SAMPLES].mean()
-    level = LOUDER * background.std()
     limits, widest_seen = np.zeros(len(CONFIDENCES)), 1.0
     for place in ('inner', 'outer'):
         there = replace(situation, place=place)
-        prior = unknowns(there)
-        drawn = {name: about.place(rng.random(_EACH)) for name, about in prior.items()}
-        # The widths are uniform in their logarithm.
-        about = replace(prior['defect_width_mm'], logarithmic=True)
-        drawn['defect_width_mm'] = about.place(np.arange(_EACH) / _EACH)
-        drawn['noise_ratio'] = np.zeros(_EACH)
-        gains = 10.0 ** (-rng.random(_EACH) * (LOSS_DB + louder_db) / 20.0) / factor
-        own, orders_of = _own(background, rate, there.impact_rate, there.shaft_hz)
-        candidates = (
-            x for batch in vibrations(there, drawn, len(background) / rate, seed) for x in batch
-        )
-        seen = np.zeros(_EACH)
-        for one, (x, gain) in enumerate(zip(candidates, gains, strict=True)):
-            added = gain * x
-            seen[one] = added.std() > level or _stands_out(
-                comb(background[: len(x)] + added, rate, there.impact_rate, orders_of), own
-            )
-        # If k of n candidates as wide or wider show, the expected share is (k + 1/2) / (n + 1).
-        share_seen = (seen[::-1].cumsum()[::-1] + 0.5) / (np.arange(_EACH, 0, -1) + 1.0)
-        near = scipy.ndimage.uniform_filter1d(seen, _NEAR, origin=-_NEAR // 2, mode='nearest')
-        least = np.array(CONFIDENCES)[:, None]
-        enough = (share_seen >= least) & (near >= least - _SHORT_OF)
-        # The few widest candidates are too few for a share.
-        enough[:, -_NEAR:] = False
-        first = np.argmax(enough, axis=1)
-        widths = np.where(enough.any(axis=1), drawn['defect_width_mm'][first], math.nan)
-        limits = np.maximum(limits, widths)
+        widths, seen = _candidates_seen(background, there, factor, louder_db, rng, seed)
+        limits = np.maximum(limits, _limits(widths, seen))
         widest_seen = min(widest_seen, float(seen[-_NEAR:].mean()))
     if np.isnan(limits).all():
         return DetectableWidth(math.nan, widest_seen)
     first = int(np.argmax(np.isfinite(limits)))
     return DetectableWidth(float(limits[first]), CONFIDENCES[first])
+
+
+def _candidates_seen(
+    background: FloatArray,
+    situation: Situation,
+    factor: float,
+    louder_db: float,
+    rng: np.random.Generator,
+    seed: int,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the widths of candidates, mm, ascending, and 1 where one would show, else 0."""
+    rate, level = situation.sample_rate, LOUDER * background.std()
+    prior = unknowns(situation)
+    drawn = {name: about.place(rng.random(_EACH)) for name, about in prior.items()}
+    # The widths are uniform in their logarithm.
+    about = replace(prior['defect_width_mm'], logarithmic=True)
+    drawn['defect_width_mm'] = about.place(np.arange(_EACH) / _EACH)
+    drawn['noise_ratio'] = np.zeros(_EACH)
+    gains = 10.0 ** (-rng.random(_EACH) * (LOSS_DB + louder_db) / 20.0) / factor
+    own, orders_of = _own(background, rate, situation.impact_rate, situation.shaft_hz)
+    candidates = (
+        x for batch in vibrations(situation, drawn, len(background) / rate, seed) for x in batch
+    )
+    seen = np.zeros(_EACH)
+    for one, (x, gain) in enumerate(zip(candidates, gains, strict=True)):
+        added = gain * x
+        seen[one] = added.std() > level or _stands_out(
+            comb(background[: len(x)] + added, rate, situation.impact_rate, orders_of), own
+        )
+    return drawn['defect_width_mm'], seen
+
+
+def _limits(widths: FloatArray, seen: FloatArray) -> FloatArray:
+    """Return the width from which enough candidates show for each confidence; NaN: none."""
+    # If k of n candidates as wide or wider show, the expected share is (k + 1/2) / (n + 1).
+    share_seen = (seen[::-1].cumsum()[::-1] + 0.5) / (np.arange(len(seen), 0, -1) + 1.0)
+    near = scipy.ndimage.uniform_filter1d(seen, _NEAR, origin=-_NEAR // 2, mode='nearest')
+    least = np.array(CONFIDENCES)[:, None]
+    enough = (share_seen >= least) & (near >= least - _SHORT_OF)
+    # The few widest candidates are too few for a share.
+    enough[:, -_NEAR:] = False
+    first = np.argmax(enough, axis=1)
+    return np.where(enough.any(axis=1), widths[first], math.nan)
