@@ -10,7 +10,7 @@ times the shaft speed is constant. For a resonance or a rebound of the rotor the
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.calibration.answer.refusals import Kind, Refusal
 from bearing_twin.calibration.measured.summaries import ELSEWHERE, HIGH_SHARE
@@ -63,20 +63,6 @@ class Impacts(NamedTuple):
     """Half width of one impact after whitening, s."""
     rivals_s: tuple[float, ...] = ()
     """Other times after which impacts repeat about as clearly, s."""
-
-    @classmethod
-    def of(cls, values: dict[str, Any]) -> Impacts:
-        """
-        Return the impacts from the plain values of `_asdict`.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            If a value is missing or of another type.
-
-        """
-        hz, spacing, lobe = (float(values[name]) for name in ('shaft_hz', 'spacing_s', 'lobe_s'))
-        return cls(str(values['place']), hz, spacing, lobe, tuple(map(float, values['rivals_s'])))
 
     @property
     def turn(self) -> float:

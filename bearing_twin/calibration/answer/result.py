@@ -275,9 +275,9 @@ def _estimate(of: dict[str, Any]) -> Estimate:
 
 def _impacts(of: dict[str, Any], situation: Situation) -> Impacts:
     """Return the impacts if they belong to the situation; raises a ValueError."""
-    for name in ('spacing_s', 'lobe_s'):
-        _number(of, name, _POSITIVE)
-    seen = Impacts.of(of)
+    spacing, lobe = (_number(of, name, _POSITIVE) for name in ('spacing_s', 'lobe_s'))
+    rivals = tuple(map(float, of['rivals_s']))
+    seen = Impacts(str(of['place']), float(of['shaft_hz']), spacing, lobe, rivals)
     alike = (seen.place, seen.shaft_hz) == (situation.place, situation.shaft_hz)
     if not (alike and all(0.0 < time < math.inf for time in seen.rivals_s)):
         raise ValueError('the impacts are not those of this machine')
