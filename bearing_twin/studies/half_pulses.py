@@ -4,13 +4,17 @@
 Pulses at twice the order of a race, compared with faults of that race: basis of ``MISSING``.
 
 ``python -m bearing_twin.studies.half_pulses [RECORDS [FIRST]]`` draws RECORDS (200) of each of
-three kinds, from number FIRST (0) on: pulses at twice the order of a race, whose heights scatter
-by 25 % and vary by up to a half with the shaft (eccentricity); faults of the race; and faults that
-strike twice, at both edges of a long spall, where the second impact comes half a gap after the
-first and has 0.5 to 0.8 of its height, so that the odd harmonics are weak. Of the records whose
-harmonics are strong enough for a fault it prints the height of the odd harmonics over that of the
-even ones, in the bands where the series of pulses is highest, how many of them are called pulses,
-and how many raise an alarm.
+three kinds, from number FIRST (0) on:
+
+- pulses at twice the order of a race, whose heights scatter by 25 % and vary by up to a half with
+  the shaft (eccentricity);
+- faults of the race;
+- faults that strike twice, at both edges of a long spall. The second impact comes half a gap after
+  the first and has 0.5 to 0.8 of its height, so that the odd harmonics are weak.
+
+It looks at the records whose harmonics are strong enough for a fault, in the bands where the
+series of pulses is highest. It prints the height of the odd harmonics over that of the even ones,
+how many records are called pulses, and how many raise an alarm.
 """
 
 from __future__ import annotations

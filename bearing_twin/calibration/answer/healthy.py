@@ -4,8 +4,8 @@
 The smallest defect that would have shown in a record without a defect.
 
 Candidate defects are simulated, converted to the unit of the record and added to it. A defect
-shows if the harmonics of its frequency stand out of noise in the squared envelope spectrum and
-those of the record alone do not, or if the defect alone is louder than the record.
+shows if the harmonics of its frequency stand out of noise in the squared envelope spectrum, and
+those of the record alone do not. It also shows if it is louder than the record.
 """
 
 from __future__ import annotations

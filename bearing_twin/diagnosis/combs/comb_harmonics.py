@@ -210,7 +210,7 @@ class CombHarmonics:
             parted = _SLIP_BINS * self._whole.step <= UNLIKELY_SLIP * order
             known = turns and parted and math.isfinite(self._spread)
             self._smears[order] = bool(known and self._reaches(order, turns)) and (
-                # Of a speed that is not measured the middle is as uncertain as its lines are wide.
+                # A speed that is not measured is as uncertain as its lines are wide.
                 abs(order - turns) <= self._spread * order
                 or height_beyond_whole(self._whole, order, self.columns(order)) >= _BEYOND
             )

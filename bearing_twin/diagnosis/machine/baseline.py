@@ -31,7 +31,7 @@ SETTLED_DB, SETTLED_K = 1.0, 1.5
 """Largest change of level, dB, and temperature, K, over a settled window. While a bearing warms
 up, film and clearance change, and the vibration with them."""
 WARM_UP = 1800.0
-"""Time, s, after which a temperature that still creeps is waited for no longer."""
+"""Time, s, after which a baseline need not wait until the temperature has settled."""
 CREEPING_K = SETTLED_DB / (abs(PER_KELVIN[0]) + Z90 * PER_KELVIN[1])
 """Largest change of temperature over a settled window then, K: it changes the level of a bearing
 by less than `SETTLED_DB`."""
@@ -98,7 +98,7 @@ def settled_baseline(
         known = known - np.clip(known, whole.low, whole.high)
     if len(known) > len(table) // 2 and (moves := _drift(known)) > kelvin:
         return None, f'the temperature moves by {moves:.1f} K'
-    # Of the levels as measured: a law can turn out to be of something else, and is given up then.
+    # From the levels as measured: a law that turns out to be of something else is given up.
     apart = np.abs(measured - np.median(measured, axis=0))
     scatter = 1.4826 * np.median(apart, axis=0)
     if scatter[0] > MOST_SCATTER_DB:

@@ -108,8 +108,9 @@ def levels_reached(newest: NDArray[np.float64], counts: Sequence[int]) -> NDArra
     """
     Return the level of each measure that all but one of its newest snapshots reach.
 
-    Or a higher one that comes and goes. ``newest`` are the levels of up to ``EARLIER`` snapshots,
-    shape (snapshots, measures); ``counts`` says how many of them are judged.
+    A higher level counts if it comes and goes; see `OFTEN`. ``newest`` are the levels of up to
+    ``EARLIER`` snapshots, shape (snapshots, measures); ``counts`` says how many of them are
+    judged.
 
     >>> levels_reached(np.array([[0.0], [9.0], [7.0], [0.0], [8.0]]), [4])
     array([7.])

@@ -70,8 +70,8 @@ class SeriesReport:
     """Place that single snapshots named when they last reached the held level, or else the place
     in the averaged envelopes since the change; '' without a place, and at the level 'ok'."""
     doubt: str
-    """Rule of most answers of single snapshots, ambiguous or with a next step of its own, if these
-    answers alone raised the level and name no place, for as long as it is held; else ''."""
+    """Rule of most answers of single snapshots, if these answers alone raised the level that is
+    held and name no place; else ''. Its answers are ambiguous or have a next step of their own."""
     reasons: tuple[str, ...]
 
     @property

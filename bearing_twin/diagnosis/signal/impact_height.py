@@ -50,11 +50,11 @@ def impact_height(x: NDArray[np.float64], sample_rate: float, shaft_hz: float) -
     """
     Return the height of rare impacts that half of the turns of the cage reach.
 
-    Rare impacts raise no RMS: four rings of 2 ms with peaks of 15 times the RMS, in 0.4 s, raise
-    it by some dB. But every damaged part strikes at least once a turn of the cage. So the height
-    of each turn is taken, and the median over the turns: a single shock is in few of them. Impacts
-    that are there one turn of the shaft before and after as well are left out. They are of a
-    coupling or a gear, or of a race; those of a race are many, and raise the RMS.
+    Rare impacts hardly raise the RMS: four rings of 2 ms with peaks of 15 times the RMS, in 0.4 s,
+    raise it by some dB. But every damaged part strikes at least once a turn of the cage. So the
+    height of each turn is taken, and the median over the turns: a single shock is in few of them.
+    Impacts that are there one turn of the shaft before and after as well are left out. They are of
+    a coupling or a gear, or of a race; those of a race are many, and raise the RMS.
 
     The height of a turn is that of its highest block, and a quarter of the samples of a block are
     higher than the height of the block. A spike of some samples is not. For the same reason the

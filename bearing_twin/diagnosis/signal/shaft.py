@@ -91,7 +91,6 @@ def refine_shaft_hz(
     direct = np.log1p(low / local_floor(low, max(int(4.0 * given_hz / bin_hz), 32)))
     # Numpy's mean of each row takes four times as long.
     indirect = np.einsum('kb->k', envelopes.logs[:last]) / np.float32(envelopes.logs.shape[1])
-
     both = direct + np.float32(2.0) * indirect[: len(direct)]
     scores = _standardised(_comb(both, bin_hz, near), _comb(both, bin_hz, beside))
     best = float(scores.max())
@@ -165,7 +164,7 @@ def other_shafts_hz(
         best = int(np.argmax(scores))
         if scores[best] < Z_ELSEWHERE or scores[given].max() >= SHAFT_FOUND:
             break
-        # Harmonics are rounded to bins: the middle of a run of equal scores is the best estimate.
+        # The middle of a run of equal scores, as in `refine_shaft_hz`.
         row = grid[(scores >= scores[best] - 1e-9) & (np.abs(grid - grid[best]) < bin_hz)]
         found.append(float(np.median(row)))
         lines = np.arange(found[-1], len(logs) * bin_hz, found[-1]) / bin_hz
