@@ -51,6 +51,20 @@ WITHIN = (10, 60)
 """Decisions within which a change has to be an alarm."""
 TRIALS = 40
 """Number of machines on which a change is tried."""
+IMBALANCE = 0.3
+"""Height of order 1 of the healthy machine; its own lines scatter by 0.5 dB, its level by 0.3."""
+OWN = ((2.0, 0.1), (17.0, 0.2))
+LOOSE = (0.5, 1.5, 2.5, 3.0, 4.0)
+OTHER = (3.517, 11.3)
+ADDED = {'looseness': LOOSE, 'another machine': OTHER}
+"""Orders of the lines that a change adds; its size is their height over the healthy order 1."""
+SIZES = {
+    'imbalance': (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 14, 20),
+    'looseness': (-24, -20, -16, -12, -10, -8, -6, -4, -2, 0, 4, 8, 14),
+    'another machine': (-24, -20, -16, -12, -10, -8, -6, -4, -2, 0, 4, 8, 14),
+    'gain': (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 14, 20),
+}
+"""Sizes of the changes, dB, ascending."""
 
 
 def _normal(rng: Generator, shape: tuple[int, int]) -> NDArray[np.float64]:
@@ -160,13 +174,6 @@ def _healthy(rng: Generator, lines: Sequence[tuple[float, float]]) -> NDArray[np
     return np.asarray(10.0 ** (0.3 * rng.standard_normal() / 20.0) * x, dtype=np.float64)
 
 
-IMBALANCE = 0.3
-"""Height of order 1 of the healthy machine; its own lines scatter by 0.5 dB, its level by 0.3."""
-OWN = ((2.0, 0.1), (17.0, 0.2))
-LOOSE = (0.5, 1.5, 2.5, 3.0, 4.0)
-OTHER = (3.517, 11.3)
-
-
 def levels_of(change: str, size: float, rng: Generator) -> NDArray[np.float64]:
     """Return the levels of a machine with a ``change`` of ``size`` dB."""
     height = 10.0 ** (size / 20.0)
@@ -175,17 +182,6 @@ def levels_of(change: str, size: float, rng: Generator) -> NDArray[np.float64]:
         lines += [(order, IMBALANCE * height) for order in ADDED[change]]
     x = _healthy(rng, lines) * (height if change == 'gain' else 1.0)
     return spectral_levels(x, RATE, MACHINE_HZ)[1]
-
-
-ADDED = {'looseness': LOOSE, 'another machine': OTHER}
-"""Orders of the lines that a change adds; its size is their height over the healthy order 1."""
-SIZES = {
-    'imbalance': (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 14, 20),
-    'looseness': (-24, -20, -16, -12, -10, -8, -6, -4, -2, 0, 4, 8, 14),
-    'another machine': (-24, -20, -16, -12, -10, -8, -6, -4, -2, 0, 4, 8, 14),
-    'gain': (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 14, 20),
-}
-"""Sizes of the changes, dB, ascending."""
 
 
 @functools.cache
