@@ -144,6 +144,15 @@ def common_width(found: list[Calibration]) -> tuple[list[Calibration], Estimate,
         # A healthy record does not clear another one that may have a defect.
         clearest = min(found, key=lambda each: (each.refusal is None, each.quantities[WIDTH].q95))
         return found, clearest.quantities[WIDTH], clearest.statement
+    width = _mixture(found, alone)
+    if all(each.refusal is Kind.NO_IMPACTS for each in found):
+        return found, width, found[0].statement
+    unlimited = [each.refusal for each in found if each.refusal in UNBOUNDED_REASONS]
+    return found, width, in_words(places[0], width, *unlimited[:1])
+
+
+def _mixture(found: list[Calibration], alone: list[bool]) -> Estimate:
+    """Return the common width of records of one defect; ``alone``: which tell it alone."""
     widths = [each.quantities[WIDTH] for each in found]
     telling = [width for width in widths if width.identifiable]
     # Records that tell a width alone are more exact than the closed form over several.
@@ -153,18 +162,15 @@ def common_width(found: list[Calibration]) -> tuple[list[Calibration], Estimate,
     # The interval covers those of the records, which allow for the model error.
     said = [each.quantities[WIDTH] for each in of] or telling
     low, high = min(width.q05 for width in said), max(width.q95 for width in said)
-    median = float(np.median([width.median for width in said]))
     if of:
         values = np.concatenate([each.candidates[WIDTH] for each in of])
         weights = np.concatenate([each.weights / len(of) for each in of])
         median = float(weighted_quantile(values, weights, (0.5,))[0])
+    else:
+        median = float(np.median([width.median for width in said]))
     why = f'{len(telling)} of {len(found)} records tell it'
     if not telling:
         low, why = 0.0, found[0].quantities[WIDTH].why
-    width = Estimate(
+    return Estimate(
         q05=low, median=median, q95=high, unit='mm', identifiable=bool(telling), why=why
     )
-    if all(each.refusal is Kind.NO_IMPACTS for each in found):
-        return found, width, found[0].statement
-    unlimited = [each.refusal for each in found if each.refusal in UNBOUNDED_REASONS]
-    return found, width, in_words(places[0], width, *unlimited[:1])
