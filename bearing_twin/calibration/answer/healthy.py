@@ -261,7 +261,6 @@ def between_impacts(x: FloatArray, situation: Situation) -> float:
 
     Examples
     --------
-    >>> from dataclasses import replace
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> x = np.random.default_rng(1).standard_normal(51200)

@@ -88,7 +88,6 @@ def gear_mesh(x: FloatArray, sample_rate: float, measured: Summary) -> Refusal |
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> rng = np.random.default_rng(1)
     >>> x = 1e-3 * rng.standard_normal(51200)
@@ -150,7 +149,6 @@ def impacts_of(whole: Correlation, measured: Summary, situation: Situation) -> I
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> machine = example()

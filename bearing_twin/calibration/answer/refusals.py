@@ -100,7 +100,6 @@ def no_impacts(x: FloatArray, situation: Situation) -> Refusal | None:
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> no_impacts(np.random.default_rng(1).standard_normal(25600), machine).why[:44]
@@ -126,7 +125,6 @@ def half_frequency(x: FloatArray, situation: Situation) -> Refusal | None:
 
     Examples
     --------
-    >>> import numpy as np
     >>> from dataclasses import replace
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
@@ -153,7 +151,6 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> from bearing_twin.calibration.measured.summaries import correlate
@@ -197,7 +194,6 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> machine = example()
     >>> from bearing_twin.calibration.measured.summaries import correlate
@@ -245,7 +241,6 @@ def copied(x: FloatArray, situation: Situation, measured: Summary) -> Refusal | 
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
@@ -284,7 +279,6 @@ def with_longest_spacing(
     --------
     A ball about every 11 ms, whose exit is 7 ms after its entry:
 
-    >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> from bearing_twin.calibration.measured.summaries import correlate
     >>> machine, rng = example(), np.random.default_rng(1)
@@ -319,7 +313,6 @@ def width_not_determined(left: Posterior, situation: Situation, fastest: float) 
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.calibration.candidates.cloud import example
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()

@@ -73,7 +73,6 @@ def line_heights(
 
     Examples
     --------
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> from bearing_twin.diagnosis.signal.lines import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
@@ -116,7 +115,6 @@ def missing_harmonics(
     hidden
         (K,) mask of the bins that are left out.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(6.14 * np.arange(1, 4))
     >>> nothing, band = np.zeros(2000, bool), np.array([0])
@@ -160,7 +158,6 @@ def unshared_height(
     -------
     0 for pulses at the multiple, 1 for impacts at the order; infinite if no harmonic is shared.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> from bearing_twin.diagnosis.signal.lines import NEUTRAL
     >>> logs = np.full((2000, 1), NEUTRAL, np.float32)
@@ -215,7 +212,6 @@ def denser_series(
         Whether the impacts are so sharp that all lines of their series are equally high. Lines of
         half the height between the harmonics are then no part of it.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(1.02 * np.arange(1, 19))
     >>> nothing = np.zeros(2000, bool)
@@ -263,7 +259,6 @@ def masked_by_shaft(
     uncertainty
         Largest relative error of the shaft speed: lines may smear as far.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(np.arange(1, 20))
     >>> known = {'precision': 0.0005, 'uncertainty': 0.002}
@@ -305,7 +300,6 @@ def spaced_by_shaft(
     reach
         Largest relative difference between the speed of the shaft and that of the spectra.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> loose = OrderSpectra.of_lines(1.006 * np.arange(1, 19))
     >>> spaced_by_shaft(loose, 5.03, np.array([0]), 0.02)
@@ -342,7 +336,6 @@ def height_beyond_whole(spectra: OrderSpectra, order: float, columns: NDArray[np
     spectra, order, columns
         As in :func:`denser_series`.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> race = OrderSpectra.of_lines(3.03 * np.arange(1, 5))
     >>> height_beyond_whole(race, 3.03, np.array([0]))

@@ -35,7 +35,6 @@ def modulation_index(
     and low multiples of it (variable compliance). So bands count for the outer race only if they
     begin above ``CARRIER`` multiples.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
     >>> index, band = modulation_index(spectra, 3.07, np.ones(1, np.float32), 'inner')
@@ -59,7 +58,6 @@ def comb_powers(
     """
     Return the relative power of the lines of several combs in one band, (n,).
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
     >>> comb_powers(spectra, np.array([3.07, 6.14]), 0).tolist()
@@ -74,7 +72,6 @@ def comb_index(spectra: OrderSpectra, order: float) -> float:
     """
     Return the modulation index of a comb in spectra of one band; see :func:`modulation_index`.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> round(comb_index(OrderSpectra.of_lines(3.07 * np.arange(1, 5)), 3.07), 2)
     3.27
@@ -92,7 +89,6 @@ def sideband_ratio(spectra: OrderSpectra, order: float, band: int, gap: float = 
     """
     Return the amplitude of the sidebands one and two gaps beside the harmonics, over theirs.
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(np.arange(1, 19))
     >>> sideband_ratio(spectra, 4.0, 0), sideband_ratio(spectra, 4.0, 0, 0.5)
@@ -108,7 +104,6 @@ def sideband_ratios(
     """
     Return the sideband ratio of a comb at each of several gaps, (n,).
 
-    >>> import numpy as np
     >>> from bearing_twin.diagnosis.combs.comb import OrderSpectra
     >>> spectra = OrderSpectra.of_lines(np.arange(1, 19))
     >>> sideband_ratios(spectra, 4.0, 0, np.array([1.0, 0.25])).tolist()

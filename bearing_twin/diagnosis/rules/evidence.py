@@ -140,7 +140,6 @@ class Evidence:
             Other quantities, by name. Each one that is not given and does not follow from others
             has its value for undisturbed combs.
 
-        >>> from bearing_twin.diagnosis.combs.candidate import Candidate
         >>> inner = Candidate('inner', order=4.93, slip=0.01, z=9.0, index=0.8)
         >>> Evidence.of(inner).leading.place
         'inner'

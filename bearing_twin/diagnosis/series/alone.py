@@ -40,7 +40,6 @@ def answer_alone(analysis: Analysis) -> Diagnosis:
     """
     Return the diagnosis of a snapshot alone; snapshots below a second have no velocity.
 
-    >>> import numpy as np
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.chain import Excerpt
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings

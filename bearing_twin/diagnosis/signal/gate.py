@@ -69,7 +69,6 @@ class Extent:
     """
     Range of a part of a record, and number of samples at its ends.
 
-    >>> import numpy as np
     >>> Extent.of(np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]))
     Extent(count=6, bad=0, low=-1.0, high=1.0, at_low=3, at_high=3, steps=inf, held=())
 
@@ -119,7 +118,6 @@ def check_record(
     highest_order
         Highest fault order of the bearing.
 
-    >>> import numpy as np
     >>> check_record(np.sin(np.arange(25600.0)), 25600.0, 25.0, 5.0)
     []
     >>> check_record(np.ones(25600), 25600.0, 25.0, 5.0)

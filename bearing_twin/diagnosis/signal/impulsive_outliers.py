@@ -41,7 +41,6 @@ def limit_impulsive_outliers(
     -------
     The limited samples, or ``x`` itself without outliers.
 
-    >>> import numpy as np
     >>> x = np.sin(np.arange(1000.0))
     >>> limit_impulsive_outliers(x, 1000.0, 10.0) is x
     True
