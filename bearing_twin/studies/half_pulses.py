@@ -95,8 +95,7 @@ def measured(kind: str, number: int) -> tuple[float, bool] | None:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = arguments(sys.modules[__name__], records=200, first=0)
-    args = parser.parse_args(argv)
+    args = arguments(sys.modules[__name__], records=200, first=0).parse_args(argv)
     numbers = range(args.first, args.first + args.records)
     rows = []
     for kind in KINDS:

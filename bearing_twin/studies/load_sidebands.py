@@ -96,8 +96,7 @@ def measured(spread: float, seed: int) -> float:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = arguments(sys.modules[__name__], records=40)
-    args = parser.parse_args(argv)
+    args = arguments(sys.modules[__name__], records=40).parse_args(argv)
     rows = []
     for spread in SPREADS:
         found = np.array([measured(spread, seed) for seed in range(args.records)])

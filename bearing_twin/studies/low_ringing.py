@@ -95,8 +95,7 @@ def share(number: int, *, damaged: bool) -> float | None:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = arguments(sys.modules[__name__], records=300, first=0)
-    args = parser.parse_args(argv)
+    args = arguments(sys.modules[__name__], records=300, first=0).parse_args(argv)
     numbers = range(args.first, args.first + args.records)
     rows = []
     for damaged in (False, True):

@@ -176,8 +176,7 @@ def _exceeded(reached: Sequence[Reached]) -> Iterator[tuple[str, ...]]:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the verdicts by length and what passes the thresholds."""
-    parser = arguments(sys.modules[__name__], windows=3024, first=0)
-    args = parser.parse_args(argv)
+    args = arguments(sys.modules[__name__], windows=3024, first=0).parse_args(argv)
     answers: dict[float, Counter[str]] = {seconds: Counter() for seconds in SECONDS}
     reached = []
     for number in range(args.first, args.first + args.windows):

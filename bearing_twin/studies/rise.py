@@ -52,8 +52,7 @@ def minutes_until(rng: np.random.Generator, height: float) -> int:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print both tables."""
-    parser = arguments(sys.modules[__name__], machines=100)
-    machines = parser.parse_args(argv).machines
+    machines = arguments(sys.modules[__name__], machines=100).parse_args(argv).machines
     rng = np.random.default_rng(0)
     rows = []
     for wander, memory in product((0.8, 1.2), (5.0, 10.0, 20.0)):

@@ -47,8 +47,7 @@ def averaged(number: int) -> tuple[str, Comb | None, Comb | None] | None:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = arguments(sys.modules[__name__], records=400, first=0)
-    args = parser.parse_args(argv)
+    args = arguments(sys.modules[__name__], records=400, first=0).parse_args(argv)
     found = [averaged(number) for number in range(args.first, args.first + args.records)]
     rows = []
     for condition in CONDITIONS:
