@@ -29,4 +29,7 @@ def recording(scheduled):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Make the figures of a page without drawing them, for tests that read only its words."""
-    monkeypatch.setattr('bearing_twin.view.report.plots.svg_element', lambda *_: '<svg></svg>')
+    monkeypatch.setattr(
+        'bearing_twin.view.report.plots.svg_element',
+        lambda _, prefix: f'<svg id="{prefix}"></svg>',
+    )

@@ -163,6 +163,7 @@ def test_the_level_of_the_blocks_is_that_of_their_samples_about_their_mean(recor
     assert np.allclose(peak, np.abs(blocks - blocks.mean(axis=1)[:, None]).max(axis=1))
 
 
+@pytest.mark.usefixtures('undrawn')
 def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     end = next(read_messages(recording)).log_time + 8_000_000_000
     both = rewritten(
