@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from bearing_twin.bearing.vocabulary import RESULTS, TITLES
@@ -57,25 +56,6 @@ States by the constants of Diagnosis.result. A fault has the colour of its lines
 
 Green is healthy, grey is no verdict, all others need attention.
 """
-
-
-def labelled_power(top: float, part: float) -> float:
-    """
-    Return the power of ten that an axis up to ``top`` must include to have a number beside 0.
-
-    The viewer numbers each tenth of a power of ten on an axis up to ``part`` of that power, and
-    only the power itself on a longer one. 0 means that the axis need not include more.
-
-    Examples
-    --------
-    >>> labelled_power(85.0, 0.6), labelled_power(55.0, 0.6), labelled_power(0.0, 0.6)
-    (100.0, 0.0, 0.0)
-
-    """
-    if not 0.0 < top < math.inf:
-        return 0.0
-    power: float = 10.0 ** math.ceil(math.log10(top) - 1e-9)
-    return power if top > part * power else 0.0
 
 
 def ink(ground: Colour) -> str:

@@ -10,9 +10,10 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import NUMBERED, OverTemperature
+from bearing_twin.view.rerun.pictures.axes import labelled_power
 from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.source import Source
-from bearing_twin.view.style import labelled_power, LINE
+from bearing_twin.view.style import LINE
 from bearing_twin.view.trends import Limit, ZERO
 from bearing_twin.view.verdict import Headline, pretty
 import numpy as np

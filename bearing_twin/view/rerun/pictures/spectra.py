@@ -11,10 +11,11 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT
 from bearing_twin.stamps import NANO
+from bearing_twin.view.rerun.pictures.axes import labelled_power, numbered_end
 from bearing_twin.view.rerun.pictures.lanes import AGAIN
 from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
-from bearing_twin.view.style import FAMILIES, labelled_power, LINE
+from bearing_twin.view.style import FAMILIES, LINE
 from bearing_twin.view.verdict import number
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -90,7 +91,7 @@ class SpectrumBars(Picture):
             return
         self.kind = 'envelope_spectrum'
         whole, near = picture.deciding(), picture.zoom()
-        whole = picture.cut(0.0, numbered(whole.end, NARROW if self.asset.narrow else WIDE))
+        whole = picture.cut(0.0, numbered_end(whole.end, NARROW if self.asset.narrow else WIDE))
         # The axis always includes the limit of a fault, so that a healthy spectrum stays low.
         # It grows in steps, so that the marks keep their length.
         top = max(float(whole.values.max()), self.asset.scales.index, INDEX_FAULT)
@@ -207,26 +208,6 @@ class SpectrumBars(Picture):
                 vector(values), abscissa=vector(frequencies), widths=widths, color=colour
             )
         self.canvas.put(name, time, bars)
-
-
-def numbered(end: float, steps: float) -> float:
-    """
-    Return the end of an axis from 0 to about ``end`` on which the viewer writes two numbers.
-
-    The viewer numbers every multiple of a power of ten if at most ``steps`` of them fit on the
-    axis, else every tenth multiple. A longer axis therefore ends at ``steps`` or at ten multiples,
-    whichever is nearer.
-
-    Examples
-    --------
-    >>> numbered(530.0, 6.0), numbered(530.0, 4.0), numbered(900.0, 6.0)
-    (530.0, 400.0, 1000.0)
-
-    """
-    step: float = 10.0 ** math.floor(math.log10(end) + 1e-9)
-    if end <= steps * step:
-        return end
-    return steps * step if end**2 < 10.0 * steps * step**2 else 10.0 * step
 
 
 def vector(values: NDArray[np.floating]) -> pa.Array:

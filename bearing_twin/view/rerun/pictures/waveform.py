@@ -9,12 +9,13 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
 from bearing_twin.view.over_temperature import NUMBERED, OverTemperature, STEP
+from bearing_twin.view.rerun.pictures.axes import labelled_power
 from bearing_twin.view.rerun.pictures.picture import Asset, Picture
 from bearing_twin.view.rerun.pictures.spectrogram import Spectrogram
 from bearing_twin.view.rerun.pictures.waterfall import Waterfall
 from bearing_twin.view.source import Source
 from bearing_twin.view.spectrum import low_high
-from bearing_twin.view.style import labelled_power, LINE
+from bearing_twin.view.style import LINE
 from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import pretty
 import numpy as np
