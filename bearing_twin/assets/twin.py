@@ -68,7 +68,7 @@ class TwinChannel(Inputs):
         values: Mapping[str, Any],
         *,
         settle: Callable[[float], None],
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float],
     ) -> None:
         super().__init__(
             clock, start=values['start_temperature'], timeout=values['temperature_timeout'],

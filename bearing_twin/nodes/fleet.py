@@ -280,8 +280,7 @@ class FleetNode(ManagedNode):
 
     def _inputs(self) -> list[TwinInputs]:
         """Return temperature (degC) and speed (Hz) of each twin for the next block."""
-        channels = [member.channel for member in self._twins if member.channel]
-        return [TwinInputs(c.temperature, c.shaft_hz()) for c in channels]
+        return [member.channel.inputs for member in self._twins if member.channel]
 
     def _advance(self, inputs: list[TwinInputs]) -> FleetBlock:
         assert self._fleet is not None

@@ -31,12 +31,13 @@ BLOCK = 1024
 
 
 def record_signal(
-    signal: Signal, target: Path, bearing: Bearing, shaft_hz: float = math.nan, *, unit: str = ''
+    signal: Signal, target: Path, bearing: Bearing, shaft_hz: float, *, unit: str
 ) -> None:
     """
     Write a signal, and the messages of the diagnosis node on it, as a recording.
 
-    ``shaft_hz`` (Hz) and ``unit``, if given, replace the speed and the unit of the signal.
+    ``shaft_hz`` (Hz; NaN: none) and ``unit`` ('': none) replace the speed and the unit of the
+    signal.
 
     Raises
     ------

@@ -68,7 +68,7 @@ def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray
 
 
 def load_trend(
-    path: Path, *, until: float | None = None, every: float | None = None
+    path: Path, *, until: float | None, every: float | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
     Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.

@@ -27,13 +27,14 @@ MOST_AT_ONCE = 16
 
 
 def answers(
-    tasks: Sequence[Task], *, jobs: int | None = None, dask: str = ''
+    tasks: Sequence[Task], *, jobs: int | None, dask: str | None
 ) -> Iterator[dict[str, Any]]:
     """
     Return the answers in the order of the tasks.
 
-    Files are diagnosed by ``jobs`` processes, or by the workers of the Dask cluster whose
-    scheduler has the address ``dask``. It is an error if Dask is not installed or does not answer.
+    Files are diagnosed by ``jobs`` processes (None: one per core), or by the workers of the Dask
+    cluster whose scheduler has the address ``dask``. It is an error if Dask is not installed or
+    does not answer.
     """
     if dask:
         return _on_dask(tasks, dask)

@@ -34,7 +34,7 @@ CLAIM = 5
 """Offset of a port that RTPS does not use; a process that holds it has claimed the domain."""
 
 
-def inhabitants(domain: int, listen: float = LISTEN) -> list[str]:
+def inhabitants(domain: int, listen: float) -> list[str]:
     """Return the nodes of a domain that are heard within ``listen`` seconds."""
     ensure_log_folder()
     context = rclpy.Context()

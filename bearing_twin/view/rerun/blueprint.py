@@ -97,8 +97,8 @@ def automatic(
     scenes: Iterable[Scene],
     *,
     timeline: str,
-    lines: Iterable[str] = (),
-    tables: Iterable[str] = (),
+    lines: Iterable[str],
+    tables: Iterable[str],
 ) -> rrb.Blueprint:
     """
     Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.

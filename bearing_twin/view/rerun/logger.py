@@ -181,8 +181,8 @@ class RerunLogger:
         path: Path,
         topics: Iterable[str],
         *,
-        lines: Iterable[str] = (),
-        tables: Iterable[str] = (),
+        lines: Iterable[str],
+        tables: Iterable[str],
     ) -> str:
         """
         Let Rerun draw topics of an MCAP file to the file; return why it cannot, or ''.

@@ -144,7 +144,7 @@ class Bearing3D:
     N.
     """
 
-    def __init__(self, canvas: Canvas, name: str, bearing: Bearing, greatest: float = 0.0) -> None:
+    def __init__(self, canvas: Canvas, name: str, bearing: Bearing, greatest: float) -> None:
         self.bearing = bearing
         self._canvas = canvas
         self._name = name
