@@ -42,6 +42,14 @@ def test_a_client_that_never_reads_holds_nothing_up(recording, tmp_path):
     assert logger.failed == 0
 
 
+@pytest.mark.skipif(not Path('/proc/net/if_inet6').exists(), reason='this machine has no IPv6')
+def test_a_recorder_serves_at_an_ipv6_address():
+    before = set(listening(os.getpid()))
+    with RerunLogger(recording_id='ipv6', serve=('::1', 0)):
+        (port,) = set(listening(os.getpid())) - before
+        socket.create_connection(('::1', port)).close()
+
+
 def test_files_and_ports_in_use_are_refused(tmp_path):
     rrd = tmp_path / 'a.rrd'
     rrd.write_bytes(b'precious')

@@ -22,7 +22,7 @@ from bearing_twin.view.rerun.blueprint import automatic, layout
 from bearing_twin.view.rerun.outlet import Outlet, release, ServedOutlet
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.scales import Scales
-from bearing_twin.view.rerun.ports import free_port
+from bearing_twin.view.rerun.ports import bracketed, free_port
 from bearing_twin.view.rerun.scene import namespace_of, Scene
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.source import Source
@@ -120,8 +120,9 @@ class RerunLogger:
         if rrd is not None:
             self._file = Outlet(recording_id, rr.FileSink(str(rrd)), place=rrd)
         if serve is not None:
-            sink = rr.GrpcServerSink(*serve, server_memory_limit=memory_limit)
-            self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {serve[1]}'))
+            address, port = serve
+            sink = rr.GrpcServerSink(bracketed(address), port, server_memory_limit=memory_limit)
+            self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {port}'))
         self._full, self._page = full_samples, page
         self._scales = scales or Scales()
         self._timebases = {'': Timebase(timeline)}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Ports that Rerun is to serve at: Rerun itself does not say why it cannot. Does not load it."""
+"""Addresses and ports that Rerun is to serve at. Does not load Rerun."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import socket
 def free_port(address: str, port: int) -> int:
     """
     Return a port that can be served at an IPv4 or IPv6 address: ``port``, or any for 0.
+
+    Rerun itself does not say why it cannot serve there.
 
     Raises
     ------
@@ -26,3 +28,16 @@ def free_port(address: str, port: int) -> int:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         probe.bind((address, port))
         return int(probe.getsockname()[1])
+
+
+def bracketed(address: str) -> str:
+    """
+    Return an address as it is written before a port: IPv6 in brackets.
+
+    Examples
+    --------
+    >>> bracketed('::1'), bracketed('127.0.0.1')
+    ('[::1]', '127.0.0.1')
+
+    """
+    return f'[{address}]' if ':' in address else address

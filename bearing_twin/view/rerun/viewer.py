@@ -20,7 +20,7 @@ from urllib.parse import quote, urlsplit
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO
-from bearing_twin.view.rerun.ports import free_port
+from bearing_twin.view.rerun.ports import bracketed, free_port
 import numpy as np
 import psutil
 import rerun_cli
@@ -98,9 +98,7 @@ def show_in_browser(
         )
         raise BearingTwinError(msg) from None
     servers = [source for source in sources if '://' in source]
-    shown = f'[{address}]' if ':' in address else address
-    if address in ('0.0.0.0', '::'):
-        shown = socket.gethostname()
+    shown = socket.gethostname() if address in ('0.0.0.0', '::') else bracketed(address)
     command = [_binary(), '--serve-web', '--bind', address, '--port', '0']
     command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
