@@ -8,6 +8,7 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
 from bearing_twin.diagnosis.machine.dependence import fit_law, LEAST_ROWS
 from bearing_twin.diagnosis.record import diagnose_record
+from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.signal.shaft import resample
 import numpy as np
 
@@ -36,5 +37,7 @@ def warm_up() -> None:
     # Called only with a healthy record of one machine.
     level = np.zeros(LEAST_ROWS)
     fit_law(level, level, level)
+    # The level of a snapshot is taken from a spectrum of double precision.
+    SeriesMonitor(None).add(0.0, x, RATE, SHAFT_HZ)
     # Called only if the speed varies.
     resample(np.zeros(4), np.zeros(1))

@@ -62,6 +62,24 @@ def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
     assert found.stdout.split() == [b'1']
 
 
+def test_the_first_snapshot_and_the_first_picture_wait_for_no_compiler():
+    script = (
+        'import numpy as np\n'
+        'from bearing_twin.diagnosis.compilation import warm_up as warm_up_diagnosis\n'
+        'from bearing_twin.diagnosis.series.monitor import SeriesMonitor\n'
+        'from bearing_twin.diagnosis.signal.severity import _powers\n'
+        'from bearing_twin.dynamics import warm_up\n'
+        'from bearing_twin.dynamics.equations import load_zone\n'
+        'warm_up(), warm_up_diagnosis()\n'
+        'known = [len(each.signatures) for each in (_powers, load_zone._force)]\n'
+        'SeriesMonitor(None).add(0.0, np.sin(np.arange(2560.0)), 25600.0, 25.0)\n'
+        'load_zone.contact_forces(np.zeros((3, 8)), np.zeros((3, 1)), 0.0, 0.0, 1.0)\n'
+        'print(known, [len(each.signatures) for each in (_powers, load_zone._force)])\n'
+    )
+    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
+    assert found.stdout == b'[2, 1] [2, 1]\n'
+
+
 def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
     script = (
         'from bearing_twin.dynamics import preset, warm_up\n'

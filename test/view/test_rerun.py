@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
+from bearing_twin.dynamics.equations.load_zone import contact_forces
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.schedule import START
 from bearing_twin.recording.topics import FEATURES
@@ -17,7 +18,7 @@ from bearing_twin.streams.vibration_input import SOURCE_SIMULATED
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
-from bearing_twin.view.rerun.pictures.bearing3d import contact_forces, SLOWED
+from bearing_twin.view.rerun.pictures.bearing3d import SLOWED
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.spectra import SpectrumBars, vector
 from bearing_twin.view.rerun.pictures.spectrogram import COLUMNS, ROWS, Spectrogram

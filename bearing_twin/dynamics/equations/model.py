@@ -22,7 +22,7 @@ These parts assume the power 1.5 and do not call `contact_law`:
 - `life.equivalent_load`, `candidates.passage` and `answer.estimates` of `calibration`, the contact
   pressure (force^(1/3)) in `coefficients` and `reference`, and the unit of K_b in `bearing.hertz`:
   closed formulas for steel on steel; another law needs its own;
-- `view.rerun.pictures.bearing3d`: a TwinState contains K_b and no other constant of a law;
+- `load_zone`, for pictures: a TwinState contains K_b and no other constant of a law;
 - the tests and `paper`, on purpose.
 
 `vector` has square roots and no other powers: x**1.25 is x * root(root(x)).

@@ -9,9 +9,8 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.dynamics.defect_text import read_defects
-from bearing_twin.dynamics.equations.model import Contact, contact_law
+from bearing_twin.dynamics.equations.load_zone import contact_forces
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.numerics.compiled import compiled
 from bearing_twin.view.rerun.pictures import shapes
 from bearing_twin.view.style import LINE
 import numpy as np
@@ -48,48 +47,6 @@ def check_pose(state: Any) -> None:
     if lacking := [field for field in POSE if not hasattr(state, field)]:
         msg = f'recorded with another TwinState, without {", ".join(lacking)}: no bearing is drawn'
         raise BearingTwinError(msg)
-
-
-@compiled()
-def _force(
-    delta: NDArray[np.float64], stiffness: NDArray[np.float64], force: NDArray[np.float64]
-) -> None:
-    for k in range(delta.size):
-        force[k] = contact_law(max(delta[k], 0.0), Contact(stiffness[k], 0.0))[0]
-
-
-def contact_forces(
-    angles: NDArray[np.floating[Any]],
-    x: float | NDArray[np.float64],
-    y: float | NDArray[np.float64],
-    clearance: float | NDArray[np.float64],
-    stiffness: float | NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """
-    Return the Hertz contact force in N of balls at given angles; all arrays broadcast.
-
-    Parameters
-    ----------
-    angles
-        Positions from +x, rad.
-    x, y
-        Displacement of the inner ring against the outer ring, m.
-    clearance
-        Half the radial internal clearance, m.
-    stiffness
-        K_b of the contact law, N/m^1.5.
-
-    Notes
-    -----
-    The law is `dynamics.equations.model.contact_law`. Zhang et al., Symmetry 2023, 15, 2166,
-    equation of the contact deformation, without the defect's depth.
-
-    """
-    deformation = x * np.cos(angles) + y * np.sin(angles) - clearance
-    delta, stiff = np.broadcast_arrays(deformation, stiffness)
-    force = np.empty(delta.shape)
-    _force(delta.ravel(), stiff.ravel(), force.reshape(-1))
-    return force
 
 
 def greatest_force(state: Any) -> float:
