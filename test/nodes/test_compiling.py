@@ -14,6 +14,11 @@ import pytest
 pytestmark = pytest.mark.ros
 
 
+def printed(script):
+    """Return what a script prints in a process of its own."""
+    return subprocess.run([sys.executable, '-c', script], capture_output=True, check=True).stdout
+
+
 @pytest.mark.parametrize('node', ['fleet', *in_proofs('twin')])
 def test_first_start(node, ros_domain, probe, tmp_path):
     environment = {**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path / 'empty')}
@@ -38,8 +43,7 @@ def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
         "Simulator(preset('incipient')).advance(1024, 20.0, 25.0)\n"
         'print(has_compiled())\n'
     )
-    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
-    assert found.stdout == b'False\n'
+    assert printed(script) == b'False\n'
 
 
 @pytest.mark.parametrize(
@@ -58,8 +62,7 @@ def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
         'warm()\n'
         'print(len(_observed.signatures))\n'
     )
-    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
-    assert found.stdout.split() == [b'1']
+    assert printed(script).split() == [b'1']
 
 
 def test_the_first_snapshot_and_the_first_picture_wait_for_no_compiler():
@@ -76,8 +79,7 @@ def test_the_first_snapshot_and_the_first_picture_wait_for_no_compiler():
         'load_zone.contact_forces(np.zeros((3, 8)), np.zeros((3, 1)), 0.0, 0.0, 1.0)\n'
         'print(known, [len(each.signatures) for each in (_powers, load_zone._force)])\n'
     )
-    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
-    assert found.stdout == b'[2, 1] [2, 1]\n'
+    assert printed(script) == b'[2, 1] [2, 1]\n'
 
 
 def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
@@ -90,8 +92,7 @@ def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
         'twin.advance(simulator.inner_ring.tick_length(25600.0) + 1000, 30.0, 25.0)\n'
         'print(len(kernel.advance.signatures) + len(simulator._advance.signatures) - known)\n'
     )
-    found = subprocess.run([sys.executable, '-c', script], capture_output=True, check=True)
-    assert found.stdout == b'0\n'
+    assert printed(script) == b'0\n'
 
 
 def test_a_node_ends_while_its_parameters_are_checked(ros_domain):
