@@ -17,7 +17,7 @@ from bearing_twin.diagnosis.signal.stockham import (
     real_columns,
     ROW,
     transform_passes,
-    turns,
+    twiddles,
 )
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L, load, store
@@ -172,7 +172,7 @@ def _by_tile(whitened: NDArray[np.complex64], tree: BandTree, lags: NDArray[np.f
     rows, other = aligned(2, 2 * part, ROW)
     work = aligned(22, ROW)
     _add_tiles(
-        whitened, parts, members, len(tree.bands), turns(2 * part), radices(2 * part), signals,
+        whitened, parts, members, len(tree.bands), twiddles(2 * part), radices(2 * part), signals,
         rows, other, work, lags,
     )  # fmt: skip
 
@@ -211,7 +211,7 @@ def _add_tiles(
     parts: int,
     members: NDArray[np.float32],
     bands: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     radices: NDArray[np.intp],
     signals: NDArray[np.float32],
     rows: NDArray[np.float32],
@@ -230,7 +230,7 @@ def _add_tiles(
         See `_tiling`.
     bands
         Number of bands of a whitening.
-    turns, radices
+    twiddles, radices
         Twiddle factors and factors of the length of a transform, which is twice that of a part.
     signals
         (2, groups parts, 2 part + 1, 32) scratch memory; the last row is finite.
@@ -250,12 +250,12 @@ def _add_tiles(
             signal = signals[whitening, number, :-1]
             source, out = (rows, signal) if crosses else (signal, rows)
             _parts_beside(whitened[whitening], part, count, number, source)
-            transform_passes(source, 2 * part, turns, radices, work[:20], out)
+            transform_passes(source, 2 * part, twiddles, radices, work[:20], out)
     for group in range(groups):
         rows[:] = np.float32(0.0)
         for number in range(group * parts, (group + 1) * parts):
             _add_powers(signals[0, number], signals[1, number], rows)
-        transform_passes(rows, 2 * part, turns, radices, work[:20], other)
+        transform_passes(rows, 2 * part, twiddles, radices, work[:20], other)
         for whitening in range(2):
             _add_lags(sums, whitening, 0, members[0, group], whitening * bands, values, lags)
     for whitening in range(2):
@@ -271,7 +271,7 @@ def _add_tiles(
                         shift, at = divmod(number + apart, count)
                         one, second = signals[whitening, number], signals[whitening, at]
                         _add_products(one, second, shift, rows)
-                    transform_passes(rows, 2 * part, turns, radices, work[:20], other)
+                    transform_passes(rows, 2 * part, twiddles, radices, work[:20], other)
                     belong, column = members[beside, group], whitening * bands
                     _add_lags(sums, whitening, apart, belong, column, values, lags)
 

@@ -21,8 +21,8 @@ from bearing_twin.diagnosis.signal.stockham import (
     times,
     transform_passes,
     transform_rows,
-    turns,
     twenty,
+    twiddles,
 )
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import chosen, L, load, load_from, splat, store
@@ -89,7 +89,7 @@ def _transform_lapping(x: OverlappingParts, each: int) -> NDArray[np.float32]:
     left = count // radix
     factors, room = radices(left), aligned(2 * count + 40, ROW)
     rows, other, few = room[:count], room[count:-40], room[-40:]
-    _transform_parts(places, lap, radix, turns(count), factors, few, rows, other)
+    _transform_parts(places, lap, radix, twiddles(count), factors, few, rows, other)
     return (rows, other)[len(factors) % 2]
 
 
@@ -98,7 +98,7 @@ def _transform_parts(
     places: NDArray[np.intp],
     lap: int,
     radix: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     radices: NDArray[np.intp],
     few: NDArray[np.float32],
     rows: NDArray[np.float32],
@@ -115,7 +115,7 @@ def _transform_parts(
         Overlap of the parts, rows.
     radix
         Radix of the first pass, 16 or 20: a multiple of P.
-    turns, radices
+    twiddles, radices
         Twiddle factors of N, and factors of N / radix.
     few
         (40, 32) scratch memory.
@@ -136,10 +136,10 @@ def _transform_parts(
                 imag = imag + load_from(beside, behind + 1)
             put(gathered, 2 * k, real, imag)
         if radix == 16:
-            sixteen(gathered, 0, 2, turns, p, left, 1, work, rows, 32 * p)
+            sixteen(gathered, 0, 2, twiddles, p, left, 1, work, rows, 32 * p)
         else:
-            twenty(gathered, 0, 2, turns, p, left, 1, work, rows, 40 * p)
-    transform_passes(rows, left, turns, radices, work, other)
+            twenty(gathered, 0, 2, twiddles, p, left, 1, work, rows, 40 * p)
+    transform_passes(rows, left, twiddles, radices, work, other)
 
 
 def power_of_lines(x: OverlappingParts, power: NDArray[np.float32], first: int) -> None:
@@ -169,11 +169,13 @@ def power_of_lines(x: OverlappingParts, power: NDArray[np.float32], first: int) 
     if columns == 4 and count % 8 == 0:
         rows = _transform_lapping(x, 8)
         quarters, lines = aligned(count // 8 + 1, ROW), aligned(len(power) + 2, 8)
-        _four_line_power(rows, turns(count // 4), turns(count), quarters, lines, power, first)
+        _four_line_power(
+            rows, twiddles(count // 4), twiddles(count), quarters, lines, power, first
+        )
     else:
         whole = columns == L and count % 2 == 0
         rows = _transform_lapping(x, 2) if whole else transform_rows(_pairs(x.joined()))
-        _line_power(rows, turns(count), power, first, np.empty(L, np.float32))
+        _line_power(rows, twiddles(count), power, first, np.empty(L, np.float32))
 
 
 def _pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -185,7 +187,7 @@ def _pairs(x: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 @compiled(inline=True, fast=FAST)
-def _line(rows: NDArray[np.float32], turns: NDArray[np.float32], k: int) -> tuple[Any, Any]:
+def _line(rows: NDArray[np.float32], twiddles: NDArray[np.float32], k: int) -> tuple[Any, Any]:
     """
     Return a line of sixteen real columns, transformed with two samples as one complex number.
 
@@ -193,27 +195,27 @@ def _line(rows: NDArray[np.float32], turns: NDArray[np.float32], k: int) -> tupl
     ----------
     rows
         (N / 2, 32) transforms; if N is odd, (N, 32) transforms of the columns themselves.
-    turns
+    twiddles
         (N, 2).
     k
         Number of the line, up to N / 2.
 
     """
     count = len(rows)
-    if count == len(turns):
+    if count == len(twiddles):
         return load(rows, 2 * k), load(rows, 2 * k + 1)
     a, b = 2 * (k if k < count else 0), 2 * (count - k if k else 0)
     ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
     # The transforms of the even and of the odd samples; the odd ones are half a step later.
     er, ei, dr, di = 0.5 * (ar + br), 0.5 * (ai - bi), 0.5 * (ai + bi), 0.5 * (br - ar)
-    real, imag = times(dr, di, turns[k])
+    real, imag = times(dr, di, twiddles[k])
     return er + real, ei + imag
 
 
 @compiled(fast=FAST, borrows=True)
 def _line_power(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     power: NDArray[np.float32],
     first: int,
     last: NDArray[np.float32],
@@ -225,7 +227,7 @@ def _line_power(
 
     Parameters
     ----------
-    rows, turns
+    rows, twiddles
         Transforms of sixteen squared envelopes, see `_pairs`.
     power
         (K, B); row k is line k + 1. At most sixteen of its columns are written.
@@ -236,13 +238,13 @@ def _line_power(
 
     """
     columns = power.shape[1] - first
-    mean, _ = _line(rows, turns, 0)
+    mean, _ = _line(rows, twiddles, 0)
     scale = 1.0 / chosen(mean > _TINY, mean, splat(np.float32(_TINY)))
     # The mean itself leaks into the first line.
     below_real = below_imag = splat(np.float32(0.0))
-    real, imag = _line(rows, turns, 1)
+    real, imag = _line(rows, twiddles, 1)
     for k in range(len(power)):
-        above_real, above_imag = _line(rows, turns, k + 2)
+        above_real, above_imag = _line(rows, twiddles, k + 2)
         at_real = (real - 0.5 * (below_real + above_real)) * scale
         at_imag = (imag - 0.5 * (below_imag + above_imag)) * scale
         at = at_real * at_real + at_imag * at_imag
@@ -258,8 +260,8 @@ def _line_power(
 @compiled(fast=FAST, borrows=True)
 def _four_line_power(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
-    all_turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
+    all_twiddles: NDArray[np.float32],
     quarters: NDArray[np.float32],
     lines: NDArray[np.float32],
     power: NDArray[np.float32],
@@ -270,10 +272,10 @@ def _four_line_power(
 
     Parameters
     ----------
-    rows, turns
+    rows, twiddles
         Transforms of sixteen columns of a quarter of the length: the first samples of each four,
         then the second ones, and so on; see :func:`_line_power`.
-    all_turns
+    all_twiddles
         (N, 2) twiddle factors of the whole length.
     quarters
         (N / 8 + 1, 32) scratch memory.
@@ -283,16 +285,20 @@ def _four_line_power(
         (K, B), written from the first of four columns on; row k is line k + 1.
 
     """
-    count, whole = len(turns), len(all_turns)
+    count, whole = len(twiddles), len(all_twiddles)
     for k in range(len(quarters)):
-        real, imag = _line(rows, turns, k)
+        real, imag = _line(rows, twiddles, k)
         put(quarters[k], 0, real, imag)
-    at = first_turn = second_turn = third_turn = 0
+    at = first_twiddle = second_twiddle = third_twiddle = 0
     for k in range(len(lines)):
         mirrored = at >= len(quarters)
         sign = np.float32(-1.0 if mirrored else 1.0)
         row, line = quarters[count - at if mirrored else at], lines[k]
-        one, two, three = all_turns[first_turn], all_turns[second_turn], all_turns[third_turn]
+        one, two, three = (
+            all_twiddles[first_twiddle],
+            all_twiddles[second_twiddle],
+            all_twiddles[third_twiddle],
+        )
         for c in range(4):
             ar, ai = row[c], sign * row[L + c]
             br, bi = row[4 + c], sign * row[L + 4 + c]
@@ -304,9 +310,9 @@ def _four_line_power(
             line[c], line[4 + c] = ar + br + cr + dr, ai + bi + ci + di
         # Remainders of k, 2 k and 3 k without a division.
         at += 1 - count * (at + 1 == count)
-        first_turn += 1 - whole * (first_turn + 1 == whole)
-        second_turn += 2 - whole * (second_turn + 2 >= whole)
-        third_turn += 3 - whole * (third_turn + 3 >= whole)
+        first_twiddle += 1 - whole * (first_twiddle + 1 == whole)
+        second_twiddle += 2 - whole * (second_twiddle + 2 >= whole)
+        third_twiddle += 3 - whole * (third_twiddle + 3 >= whole)
     means = quarters[0]
     for c in range(4):
         means[c] = np.float32(1.0) / max(lines[0, c], np.float32(_TINY))

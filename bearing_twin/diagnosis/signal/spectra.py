@@ -51,15 +51,15 @@ def transform(x: NDArray[np.float32]) -> NDArray[np.complex64]:
     if len(x) % 4:
         return np.asarray(fft.rfft(x))
     joined = np.empty(len(x) // 2 + 1, np.complex64)
-    _join_quarters(fft.rfft(x.reshape(-1, 4), axis=0), _turns(len(x)), joined)
+    _join_quarters(fft.rfft(x.reshape(-1, 4), axis=0), _twiddles(len(x)), joined)
     return joined
 
 
 @functools.lru_cache(maxsize=256)
-def _turns(count: int) -> NDArray[np.complex64]:
+def _twiddles(count: int) -> NDArray[np.complex64]:
     """Return the twiddle factors that join transforms of every fourth of ``count`` samples."""
-    turns = np.exp(-2j * np.pi / count * np.arange(count // 8 + 1))
-    return np.asarray(turns, np.complex64)
+    twiddles = np.exp(-2j * np.pi / count * np.arange(count // 8 + 1))
+    return np.asarray(twiddles, np.complex64)
 
 
 def local_floor(power: NDArray[np.float32], width: int) -> NDArray[np.float32]:
@@ -461,7 +461,7 @@ def _over_floor(
 
 @compiled(fast=FAST, borrows=True)
 def _join_quarters(
-    quarters: NDArray[np.complex64], turns: NDArray[np.complex64], joined: NDArray[np.complex64]
+    quarters: NDArray[np.complex64], twiddles: NDArray[np.complex64], joined: NDArray[np.complex64]
 ) -> None:
     """
     Write the one-sided transform of a record from the transforms of every fourth sample.
@@ -470,17 +470,17 @@ def _join_quarters(
     ----------
     quarters
         (M // 2 + 1, 4) one-sided transforms of M samples each.
-    turns
+    twiddles
         (M // 2 + 1,) twiddle factors of the second quarter.
     joined
         (2 M + 1,), written.
 
     """
     each, last = len(joined) // 2, len(joined) - 1
-    for k in range(len(turns)):
-        one, turn = quarters[k, 0], turns[k]
-        two, three = turn * quarters[k, 1], turn * turn * quarters[k, 2]
-        four = turn * turn * turn * quarters[k, 3]
+    for k in range(len(twiddles)):
+        one, twiddle = quarters[k, 0], twiddles[k]
+        two, three = twiddle * quarters[k, 1], twiddle * twiddle * quarters[k, 2]
+        four = twiddle * twiddle * twiddle * quarters[k, 3]
         even, odd = one + three, two + four
         away, across = one - three, two - four
         # Times i.

@@ -37,11 +37,11 @@ _LARGEST = 13
 
 
 @functools.lru_cache(maxsize=256)
-def turns(count: int) -> NDArray[np.float32]:
+def twiddles(count: int) -> NDArray[np.float32]:
     """
     Return the twiddle factors exp(-2 pi i k / count) as cosine and sine, shape (count, 2).
 
-    >>> turns(4)[1].round(6).tolist()
+    >>> twiddles(4)[1].round(6).tolist()
     [0.0, -1.0]
 
     """
@@ -78,7 +78,7 @@ def transform_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
         return np.concatenate((found.real, found.imag), axis=1)
     room = aligned(count + 20, ROW)
     other = room[:count]
-    transform_passes(rows, count, turns(count), factors, room[count:], other)
+    transform_passes(rows, count, twiddles(count), factors, room[count:], other)
     return (rows, other)[len(factors) % 2]
 
 
@@ -136,9 +136,9 @@ def is_quick(count: int) -> bool:
 
 
 @compiled(inline=True, fast=FAST)
-def times(real: Any, imag: Any, turn: Any) -> tuple[Any, Any]:
+def times(real: Any, imag: Any, twiddle: Any) -> tuple[Any, Any]:
     """Return the product with a twiddle factor."""
-    return real * turn[0] - imag * turn[1], real * turn[1] + imag * turn[0]
+    return real * twiddle[0] - imag * twiddle[1], real * twiddle[1] + imag * twiddle[0]
 
 
 @compiled(inline=True, fast=FAST, borrows=True)
@@ -146,14 +146,14 @@ def _four(
     rows: NDArray[np.float32],
     a: int,
     apart: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     at: int,
     out: NDArray[np.float32],
     o: int,
     beside: int,
 ) -> None:
     """Write the butterfly of four rows with the twiddle factors ``at``, 2 ``at`` and 3 ``at``."""
-    one, two, three = turns[at], turns[2 * at], turns[3 * at]
+    one, two, three = twiddles[at], twiddles[2 * at], twiddles[3 * at]
     b, c, d = a + apart, a + 2 * apart, a + 3 * apart
     ar, ai, br, bi = load(rows, a), load(rows, a + 1), load(rows, b), load(rows, b + 1)
     cr, ci, dr, di = load(rows, c), load(rows, c + 1), load(rows, d), load(rows, d + 1)
@@ -172,7 +172,7 @@ def _four(
 @compiled(fast=FAST, borrows=True)
 def _fours(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     left: int,
     done: int,
     out: NDArray[np.float32],
@@ -184,7 +184,7 @@ def _fours(
     ----------
     rows
         (4 left done, 32).
-    turns
+    twiddles
         (N, 2) twiddle factors of the whole length.
     left, done
         Length that later passes transform, and length that earlier passes transformed.
@@ -195,7 +195,7 @@ def _fours(
     for p in range(left):
         for q in range(done):
             a, o = 2 * (q + done * p), 2 * (q + 4 * done * p)
-            _four(rows, a, 2 * left * done, turns, p * done, out, o, 2 * done)
+            _four(rows, a, 2 * left * done, twiddles, p * done, out, o, 2 * done)
 
 
 @compiled(inline=True, fast=FAST, borrows=True)
@@ -203,7 +203,7 @@ def sixteen(
     rows: NDArray[np.float32],
     a: int,
     apart: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     p: int,
     left: int,
     done: int,
@@ -214,9 +214,9 @@ def sixteen(
     """Write the butterflies of two passes by fours, of sixteen equally spaced rows."""
     for k in range(4):
         at = (p + left * k) * done
-        _four(rows, a + k * apart, 4 * apart, turns, at, few, 8 * k, 2)
+        _four(rows, a + k * apart, 4 * apart, twiddles, at, few, 8 * k, 2)
     for k in range(4):
-        _four(few, 2 * k, 8, turns, 4 * p * done, out, o + 2 * done * k, 8 * done)
+        _four(few, 2 * k, 8, twiddles, 4 * p * done, out, o + 2 * done * k, 8 * done)
 
 
 @compiled(inline=True, fast=FAST, borrows=True)
@@ -224,7 +224,7 @@ def twenty(
     rows: NDArray[np.float32],
     a: int,
     apart: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     p: int,
     left: int,
     done: int,
@@ -235,15 +235,15 @@ def twenty(
     """Write the butterflies of a pass by fours and one by fives."""
     for k in range(5):
         at = (p + left * k) * done
-        _four(rows, a + k * apart, 5 * apart, turns, at, few, 8 * k, 2)
+        _four(rows, a + k * apart, 5 * apart, twiddles, at, few, 8 * k, 2)
     for k in range(4):
-        _prime(few, 2 * k, 8, turns, 4 * p * done, 5, out, o + 2 * done * k, 8 * done)
+        _prime(few, 2 * k, 8, twiddles, 4 * p * done, 5, out, o + 2 * done * k, 8 * done)
 
 
 @compiled(fast=FAST, borrows=True)
 def _sixteens(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     left: int,
     done: int,
     few: NDArray[np.float32],
@@ -256,7 +256,7 @@ def _sixteens(
     ----------
     rows
         (16 left done, 32).
-    turns, left, done, out
+    twiddles, left, done, out
         See :func:`_fours`; ``left`` is the length for the passes after both.
     few
         (16, 32) scratch memory.
@@ -265,13 +265,13 @@ def _sixteens(
     for p in range(left):
         for q in range(done):
             a, o = 2 * (q + done * p), 2 * (q + 16 * done * p)
-            sixteen(rows, a, 2 * left * done, turns, p, left, done, few, out, o)
+            sixteen(rows, a, 2 * left * done, twiddles, p, left, done, few, out, o)
 
 
 @compiled(fast=FAST, borrows=True)
 def _twenties(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     left: int,
     done: int,
     few: NDArray[np.float32],
@@ -281,13 +281,13 @@ def _twenties(
     for p in range(left):
         for q in range(done):
             a, o = 2 * (q + done * p), 2 * (q + 20 * done * p)
-            twenty(rows, a, 2 * left * done, turns, p, left, done, few, out, o)
+            twenty(rows, a, 2 * left * done, twiddles, p, left, done, few, out, o)
 
 
 @compiled(fast=FAST, borrows=True)
 def _nines(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     left: int,
     done: int,
     few: NDArray[np.float32],
@@ -299,10 +299,10 @@ def _nines(
             for k in range(3):
                 at = p + left * k
                 a = 2 * (q + done * at)
-                _prime(rows, a, 6 * left * done, turns, at * done, 3, few, 6 * k, 2)
+                _prime(rows, a, 6 * left * done, twiddles, at * done, 3, few, 6 * k, 2)
             for k in range(3):
                 o = 2 * (q + done * (k + 9 * p))
-                _prime(few, 2 * k, 6, turns, 3 * p * done, 3, out, o, 6 * done)
+                _prime(few, 2 * k, 6, twiddles, 3 * p * done, 3, out, o, 6 * done)
 
 
 @compiled(inline=True, fast=FAST, borrows=True)
@@ -310,7 +310,7 @@ def _prime(
     rows: NDArray[np.float32],
     a: int,
     apart: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     at: int,
     radix: int,
     out: NDArray[np.float32],
@@ -318,7 +318,7 @@ def _prime(
     beside: int,
 ) -> None:
     """Write the butterfly of a prime number of rows, as :func:`_four` does."""
-    count = len(turns)
+    count = len(twiddles)
     for k in range(radix // 2 + 1):
         # Lines k and radix - k share sums and differences of rows.
         sr, si = load(rows, a), load(rows, a + 1)
@@ -327,24 +327,24 @@ def _prime(
         for _ in range(radix // 2):
             angle += k * (count // radix)
             angle -= count if angle >= count else 0
-            b, c, turn = b + apart, c - apart, turns[angle]
+            b, c, twiddle = b + apart, c - apart, twiddles[angle]
             br, bi = load(rows, b), load(rows, b + 1)
             cr, ci = load(rows, c), load(rows, c + 1)
             # With two rows the second is its own partner.
-            half = turn[0] if b < c else np.float32(0.5) * turn[0]
+            half = twiddle[0] if b < c else np.float32(0.5) * twiddle[0]
             sr, si = sr + half * (br + cr), si + half * (bi + ci)
-            tr, ti = tr - turn[1] * (bi - ci), ti + turn[1] * (br - cr)
-        vr, vi = times(sr + tr, si + ti, turns[at * k])
+            tr, ti = tr - twiddle[1] * (bi - ci), ti + twiddle[1] * (br - cr)
+        vr, vi = times(sr + tr, si + ti, twiddles[at * k])
         put(out, o + k * beside, vr, vi)
         if 0 < k < radix - k:
-            vr, vi = times(sr - tr, si - ti, turns[at * (radix - k)])
+            vr, vi = times(sr - tr, si - ti, twiddles[at * (radix - k)])
             put(out, o + (radix - k) * beside, vr, vi)
 
 
 @compiled(inline=True, fast=FAST, borrows=True)
 def _butterflies(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     radix: int,
     left: int,
     done: int,
@@ -354,13 +354,13 @@ def _butterflies(
     for p in range(left):
         for q in range(done):
             a, o = 2 * (q + done * p), 2 * (q + radix * done * p)
-            _prime(rows, a, 2 * left * done, turns, p * done, radix, out, o, 2 * done)
+            _prime(rows, a, 2 * left * done, twiddles, p * done, radix, out, o, 2 * done)
 
 
 @compiled(fast=FAST, borrows=True)
 def _primes(
     rows: NDArray[np.float32],
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     radix: int,
     left: int,
     done: int,
@@ -368,22 +368,22 @@ def _primes(
 ) -> None:
     """Do one pass as :func:`_butterflies`, in half the time for radices known when compiling."""
     if radix == 2:
-        _butterflies(rows, turns, 2, left, done, out)
+        _butterflies(rows, twiddles, 2, left, done, out)
     elif radix == 3:
-        _butterflies(rows, turns, 3, left, done, out)
+        _butterflies(rows, twiddles, 3, left, done, out)
     elif radix == 5:
-        _butterflies(rows, turns, 5, left, done, out)
+        _butterflies(rows, twiddles, 5, left, done, out)
     elif radix == 7:
-        _butterflies(rows, turns, 7, left, done, out)
+        _butterflies(rows, twiddles, 7, left, done, out)
     else:
-        _butterflies(rows, turns, radix, left, done, out)
+        _butterflies(rows, twiddles, radix, left, done, out)
 
 
 @compiled(borrows=True)
 def transform_passes(
     rows: NDArray[np.float32],
     left: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     radices: NDArray[np.intp],
     few: NDArray[np.float32],
     other: NDArray[np.float32],
@@ -397,8 +397,8 @@ def transform_passes(
         (N, 32), overwritten; it holds the result of an even number of passes.
     left
         Length that remains to transform, N before the first pass.
-    turns, radices
-        Twiddle factors of N, and radices of ``left``: see :func:`turns` and :func:`radices`.
+    twiddles, radices
+        Twiddle factors of N, and radices of ``left``: see :func:`twiddles` and :func:`radices`.
     few
         (20, 32) scratch memory.
     other
@@ -410,15 +410,15 @@ def transform_passes(
         left //= radix
         source, out = (rows, other) if number % 2 == 0 else (other, rows)
         if radix == 16:
-            _sixteens(source, turns, left, done, few, out)
+            _sixteens(source, twiddles, left, done, few, out)
         elif radix == 20:
-            _twenties(source, turns, left, done, few, out)
+            _twenties(source, twiddles, left, done, few, out)
         elif radix == 9:
-            _nines(source, turns, left, done, few, out)
+            _nines(source, twiddles, left, done, few, out)
         elif radix == 4:
-            _fours(source, turns, left, done, out)
+            _fours(source, twiddles, left, done, out)
         else:
-            _primes(source, turns, radix, left, done, out)
+            _primes(source, twiddles, radix, left, done, out)
 
 
 @compiled(inline=True, fast=FAST)
@@ -453,7 +453,7 @@ def real_columns(lines: NDArray[np.float32], column: int, count: int) -> NDArray
 
     """
     rows = aligned(count // 2 if count % 2 == 0 else count, ROW)
-    _join_lines(lines, column, turns(count), rows)
+    _join_lines(lines, column, twiddles(count), rows)
     found = transform_rows(rows)
     return found.reshape(-1, L) if count % 2 == 0 else found[:, :L]
 
@@ -462,12 +462,12 @@ def real_columns(lines: NDArray[np.float32], column: int, count: int) -> NDArray
 def _join_lines(
     lines: NDArray[np.float32],
     column: int,
-    turns: NDArray[np.float32],
+    twiddles: NDArray[np.float32],
     rows: NDArray[np.float32],
 ) -> None:
     """Write rows whose transform has two real samples per complex number, or one if odd."""
     count, last = len(rows), len(lines) - 1
-    if count == len(turns):
+    if count == len(twiddles):
         for k in range(count):
             sign = np.float32(1.0 if k <= last else -1.0)
             at = k if k <= last else count - k
@@ -478,5 +478,5 @@ def _join_lines(
         kept = np.float32(1.0 if k else 0.0)
         ar, ai = load(lines[k, 0, column:], 0), kept * load(lines[k, 1, column:], 0)
         br, bi = load(lines[last - k, 0, column:], 0), kept * load(lines[last - k, 1, column:], 0)
-        dr, di = times(ar - br, ai + bi, turns[k])
+        dr, di = times(ar - br, ai + bi, twiddles[k])
         put(rows[k], 0, ar + br - di, ai - bi + dr)
