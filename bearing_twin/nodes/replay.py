@@ -52,7 +52,7 @@ SPECS = (
     fixed('clock_rate', 0.0, 'Rate of /clock, which then follows recorded time; 0: no /clock.',
           'Hz', 0.0, 1000.0),
     fixed('start_paused', False, 'Wait for ~/resume.'),
-    fixed('wait_for_subscribers', 3.0, 'Longest wait at the start until every topic has a '
+    fixed('subscriber_timeout', 3.0, 'Longest wait at the start until every topic has a '
           'subscriber.', 's', 0.0, 3600.0),
     fixed('wait_for_nodes', [''], 'Nodes that have to subscribe to every topic by then too: '
           'recorder, in the namespace of this node, or /fan_7/recorder.'),
@@ -208,7 +208,7 @@ class ReplayNode(ManagedNode):
             self._end()
 
     def _await_subscribers(self) -> None:
-        deadline = time.monotonic() + self.parameters['wait_for_subscribers']
+        deadline = time.monotonic() + self.parameters['subscriber_timeout']
         namespace = self.get_namespace().rstrip('/')
         names = (name for name in self.parameters['wait_for_nodes'] if name)
         wanted = {name if name.startswith('/') else f'{namespace}/{name}' for name in names}
@@ -219,7 +219,7 @@ class ReplayNode(ManagedNode):
         if self._playing and wanted:
             self.get_logger().warning(
                 f'{", ".join(sorted(wanted))}: not subscribed to every topic after '
-                f'{self.parameters["wait_for_subscribers"]:g} s; they may miss the first messages'
+                f'{self.parameters["subscriber_timeout"]:g} s; they may miss the first messages'
             )
 
     def _is_heard(self, publisher: Publisher[Any], wanted: set[str]) -> bool:

@@ -24,7 +24,7 @@ def test_a_damaged_recording_ends_the_replay_with_an_error(nodes, tmp_path):
     data[middle : middle + 3000] = random.Random(1).randbytes(3000)
     recording.write_bytes(data)
 
-    nodes.start('replay', {'recording': str(recording), 'wait_for_subscribers': 0.0})
+    nodes.start('replay', {'recording': str(recording), 'subscriber_timeout': 0.0})
     assert nodes.wait('replay', 120.0) == 1
     log = (tmp_path / 'logs' / 'replay.log').read_text()
     assert 'replaying' in log
@@ -41,7 +41,7 @@ def test_a_clock_that_was_set_is_told_and_names_are_not_obeyed(nodes, probe, tmp
             channel = writer.register_channel(name, 'cdr', schema)
             for second in 0, 5_000_000:
                 writer.add_message(channel, second * 10**9, bytes(4), 0)
-    nodes.start('replay', {'recording': str(recording), 'wait_for_subscribers': 0.0})
+    nodes.start('replay', {'recording': str(recording), 'subscriber_timeout': 0.0})
     said = (tmp_path / 'logs' / 'replay.log').read_text
     probe.until(lambda: 'the next is due in 5000000 s' in said(), 'the wait')
     assert '/\\x1b[31m is left out' in said()

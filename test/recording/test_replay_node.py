@@ -42,7 +42,7 @@ def test_replayed_and_recorded_again_the_bytes_are_the_same(
             'topics': ['/vibration'],
             'remap': ['/vibration:=/line3/vibration'],
             'clock_rate': 100.0,
-            'wait_for_subscribers': TIMEOUT,
+            'subscriber_timeout': TIMEOUT,
             'start_paused': True,
         }
         nodes.start('replay', parameters)
@@ -123,7 +123,7 @@ def test_recorded_time_stands_while_nothing_plays_and_a_pause_costs_nothing(
     write_blocks(tmp_path / 'run', 5)
     replay = here(
         ReplayNode, recording=str(tmp_path / 'run'), clock_rate=100.0, start_paused=True,
-        wait_for_subscribers=0.0,
+        subscriber_timeout=0.0,
     )  # fmt: skip
     replay.trigger_configure()
     player = replay._player
@@ -153,7 +153,7 @@ def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: P
         writer.write('/t', TEMPERATURE, temperature_cdr(5, 20.0), log_time=at, publish_time=at)
     with ForkedNodes(tmp_path / 'logs', os.environ) as nodes:
         recording = str(tmp_path / 'other.mcap')
-        nodes.start('replay', {'recording': recording, 'wait_for_subscribers': 0.0, 'rate': 1e6})
+        nodes.start('replay', {'recording': recording, 'subscriber_timeout': 0.0, 'rate': 1e6})
         assert nodes.wait('replay', TIMEOUT) == 1
     said = ''.join(path.read_text() for path in (tmp_path / 'logs').iterdir())
     assert '/vibration is left out: bearing_twin_msgs/msg/Vibration was recorded' in said

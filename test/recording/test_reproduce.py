@@ -442,7 +442,7 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
         assert source.call(Trigger, '/twin/reset').success
         verdicts: list[Diagnosis] = []
         source.node.create_subscription(Diagnosis, 'diagnosis', verdicts.append, RESULT)
-        nodes.start('replay', {'recording': str(schedule), 'wait_for_subscribers': TIMEOUT})
+        nodes.start('replay', {'recording': str(schedule), 'subscriber_timeout': TIMEOUT})
         assert nodes.wait('replay', TIMEOUT) == 0
         source.until(lambda: len(verdicts) > 10, 'verdicts')
         for name in ('twin', 'diagnosis', 'recorder'):

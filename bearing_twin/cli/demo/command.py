@@ -138,7 +138,7 @@ def _run_nodes(
 
         watcher.wait_for_vibration(check, START_TIMEOUT)
         replay = {'recording': str(recording), 'rate': args.rate}
-        heard = {'wait_for_nodes': ['recorder', 'twin'], 'wait_for_subscribers': 10.0}
+        heard = {'wait_for_nodes': ['recorder', 'twin'], 'subscriber_timeout': 10.0}
         nodes.start('replay', {**replay, **heard})
         deadline = time.monotonic() + info.duration / args.rate + START_TIMEOUT
         while nodes.running('replay'):
