@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Studies write where they are told, and never into the package."""
 
+from dataclasses import replace
 import json
 import math
 from pathlib import Path
 
 import bearing_twin.diagnosis
+from bearing_twin.diagnosis.machine.level import with_required_level
 from bearing_twin.diagnosis.rules.confidence import KINDS, share_right, Trust
 from bearing_twin.diagnosis.rules.table import DOUBTED, RULES
 from bearing_twin.errors import BearingTwinError
@@ -109,10 +111,17 @@ def test_the_weights_in_use_can_be_checked_without_a_fit(tmp_path, monkeypatch, 
 
 
 def test_what_is_not_rated_are_rules():
-    assert set(reliability.UNRATED) - {rule.name for rule in RULES} == {
-        'record_gate',
-        'another_speed',
-    }
+    assert set(reliability.UNRATED) - {rule.name for rule in RULES} == {'record_gate'}
+
+
+def test_an_answer_from_the_level_alone_is_not_rated():
+    case, said = judge_case('impacts', 4_800_171, misled=True)
+    worn = replace(said, result='healthy', level='ok', faults=())
+    worn = replace(worn, severity=replace(worn.severity, iso_zone='D'))
+    raised = with_required_level(worn)
+    assert (raised.result, raised.level, raised.kind) == ('ambiguous', 'fault', '')
+    assert reliability.rate_answer(case, said)
+    assert reliability.rate_answer(case, raised) is None
 
 
 def test_a_name_at_an_unlikely_slip_counts_like_any_other():

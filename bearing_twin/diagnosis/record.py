@@ -13,7 +13,7 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import check_geometry, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.machine.level import (
-    UNRATED_CONFIDENCE,
+    unrated,
     with_fault_stage,
     with_required_level,
 )
@@ -256,10 +256,9 @@ def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagno
         f'at that speed it is a fault of the {said.result}: check the speed'
     )
     result = 'ambiguous' if alarm else 'suspect'
-    return replace(
+    return unrated(
         given, result=result, rule='another_speed', level='fault' if alarm else 'suspect',
-        faults=(said.result, *given.faults) if alarm else (), confidence=UNRATED_CONFIDENCE,
-        reasons=(*given.reasons, text),
+        faults=(said.result, *given.faults) if alarm else (), reasons=(*given.reasons, text),
     )  # fmt: skip
 
 
@@ -346,7 +345,7 @@ def _moving(
                 f'only one part of about {turns / count:.0f} turns is an alarm, and the speed '
                 'seems to move within the record: repeat it, and give the speed of each sample'
             )
-            alarm = replace(alarm, level='suspect', confidence=UNRATED_CONFIDENCE)
+            alarm = unrated(alarm, level='suspect')
             weaker = _of_part(whole, alarm, text)
     return None if alarms_only else weaker
 
@@ -361,10 +360,7 @@ def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:
     if abs(order - round(order)) > order * moved_hz / part.fault_hz:
         return part
     text = f'impacts {round(order)} times a turn would look the same'
-    return replace(
-        part, result='ambiguous', level='suspect', confidence=UNRATED_CONFIDENCE,
-        reasons=(*part.reasons, text),
-    )  # fmt: skip
+    return unrated(part, result='ambiguous', level='suspect', reasons=(*part.reasons, text))
 
 
 def _of_part(whole: Diagnosis, part: Diagnosis, text: str) -> Diagnosis:

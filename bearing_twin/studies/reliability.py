@@ -55,7 +55,7 @@ FIRST, FRESH = 1_600_000, 6_400_000
 STRIKING = ('impacts', 'impulses', 'pulses')
 """Machines that cause impacts or shocks outside the bearing."""
 
-UNRATED = ('record_gate', 'another_speed', 'two_faint_places')
+UNRATED = ('record_gate', 'two_faint_places')
 """Rules whose answers are left out, because their confidence is not that of their kind."""
 
 BINS = 10
@@ -99,7 +99,7 @@ class RatedAnswer(NamedTuple):
 
 def rate_answer(case: Machine, said: Diagnosis) -> RatedAnswer | None:
     """Return an answer with its kind, and whether it is right; None if not rated."""
-    if said.rule in UNRATED:
+    if said.rule in UNRATED or not (said.kind or said.result == 'insufficient'):
         return None
     sound = case.condition == 'none'
     # Bearings that only low confidence or a short record keeps from *healthy* count as healthy.

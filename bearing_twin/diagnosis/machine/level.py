@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 import math
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.machine.dependence import Z90
@@ -85,20 +85,29 @@ def with_required_level(diagnosis: Diagnosis) -> Diagnosis:
         if diagnosis.result == 'healthy' and unknown:
             return replace(diagnosis, reasons=(*diagnosis.reasons, _NOT_JUDGED))
         return diagnosis
-    result, confidence = diagnosis.result, diagnosis.confidence
-    if result in ('healthy', 'insufficient'):
-        result, confidence = 'suspect', UNRATED_CONFIDENCE
-    if result == 'suspect' and level == 'fault':
-        result = 'ambiguous'
     place = '' if diagnosis.faults else '; place unknown'
     meaning = 'a fault' if level == 'fault' else 'suspect'
-    return replace(
-        diagnosis,
-        result=result,
-        level=level,
-        confidence=confidence,
-        reasons=(*diagnosis.reasons, f'{why} is {meaning}{place}'),
-    )
+    if diagnosis.result in ('healthy', 'insufficient'):
+        diagnosis = unrated(diagnosis, result='suspect')
+    result = diagnosis.result
+    if result == 'suspect' and level == 'fault':
+        result = 'ambiguous'
+    reasons = *diagnosis.reasons, f'{why} is {meaning}{place}'
+    return replace(diagnosis, result=result, level=level, reasons=reasons)
+
+
+def unrated(diagnosis: Diagnosis, **changes: Any) -> Diagnosis:
+    """
+    Return another answer about the same window, with the confidence of one that no study rates.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> verdict = insufficient(['too short'], find_bearing('6307'))
+    >>> unrated(verdict, result='suspect').confidence
+    0.5
+
+    """
+    return replace(diagnosis, confidence=UNRATED_CONFIDENCE, kind='', **changes)
 
 
 def with_fault_stage(diagnosis: Diagnosis) -> Diagnosis:
