@@ -71,8 +71,9 @@ A change of parameters is checked as a whole and accepted or refused as a whole.
 A value outside the column "values" is refused with the limit and the remedy. `0 or 10 .. 50000`
 means 10 to 50000, or 0 with the meaning given in the last column. A value that is given always
 holds against the preset, also where it equals the default. Whole numbers are accepted for `double`
-and `string` at start (`bearing:=6307`). A parameter name that the node does not have is logged as
-a warning with the nearest names; a file of assets and an offline run refuse it.
+and `string`, at start (`bearing:=6307`) and by `ros2 param set`. A parameter name that the node
+does not have is refused; at start, where a file may be shared, a node logs a warning with the
+nearest names instead. A file of assets and an offline run refuse it.
 
 ROS 2 joins the sections `/**` of all parameter files and of `-p` to the first one. Where a file
 begins with `/**` and sets a parameter in a section `/**/twin` behind it, `-p` loses against it

@@ -12,7 +12,7 @@ from bearing_twin.assets.parameters.shared import AUTOSTART
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import PolledGroup
-from bearing_twin.ros.parameters import ParameterSet, unknown_at_start, with_known_types
+from bearing_twin.ros.parameters import ParameterSet, read_as_at_start, unknown_at_start
 from bearing_twin.ros.topics.subscribing import validated
 from bearing_twin.streams.statefile import NodeStates
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
@@ -79,9 +79,9 @@ class ManagedNode(LifecycleNode):
     def create_service(
         self, srv_type: Any, srv_name: str, callback: Any, *args: Any, **kwargs: Any
     ) -> Service[Any, Any]:
-        """Create a service; requests to rclpy's own parameter services are sanitised."""
+        """Create a service; values sent to rclpy's own parameter services are read as at start."""
         if srv_type in (SetParameters, SetParametersAtomically):
-            callback = with_known_types(callback)
+            callback = read_as_at_start(self, callback)
         return super().create_service(srv_type, srv_name, callback, *args, **kwargs)
 
     def offer(self, name: str, action: Callable[[], str | Awaitable[str]]) -> Service[Any, Any]:

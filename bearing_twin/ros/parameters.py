@@ -19,7 +19,8 @@ from rcl_interfaces.msg import (
     ParameterType,
     SetParametersResult,
 )
-from rclpy.parameter import Parameter
+from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.parameter import Parameter, parameter_value_to_python
 import yaml
 
 if TYPE_CHECKING:
@@ -43,20 +44,25 @@ def unknown_at_start(node: Node) -> list[str]:
     ]
 
 
-def with_known_types(
-    callback: Callable[[Any, Any], Any],
-) -> Callable[[Any, Any], Any]:
+def read_as_at_start(node: Node, callback: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
     """
-    Return a service callback that replaces unknown parameter types by "not set".
+    Return a callback of the services that set parameters, which reads values as at start.
 
-    rclpy refuses a parameter that is not set, but an unknown type would end the node.
+    ``ros2 param set NODE bearing 6205`` sends a whole number for a text. rclpy refuses it, and
+    says no more than the numbers of both types.
     """
 
     def answer(request: Any, response: Any) -> Any:
-        for parameter in request.parameters:
-            if parameter.value.type not in TYPES:
-                parameter.value.type = ParameterType.PARAMETER_NOT_SET
-        return callback(request, response)
+        problems = [_ParameterCallbacks.of(node).read(each) for each in request.parameters]
+        response = callback(request, response)
+        if isinstance(response, SetParametersAtomically.Response):
+            results, problems = [response.result], ['; '.join(filter(None, problems))]
+        else:
+            results = response.results
+        for result, problem in zip(results, problems, strict=True):
+            if problem:
+                result.reason = problem
+        return response
 
     return answer
 
@@ -186,6 +192,10 @@ class ParameterSet:
     def _ours(self, parameters: list[Parameter[Any]]) -> dict[str, Any]:
         return {p.name.removeprefix(self._prefix): p.value for p in parameters}
 
+    def read(self, name: str, value: Any) -> Any:
+        """Return a value that a parameter of this set is to have, in the type of the parameter."""
+        return self._specs[name.removeprefix(self._prefix)].read(value)
+
     def on_set(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
         """Check a change of parameters of this set."""
         ours = self._ours(parameters)
@@ -241,6 +251,33 @@ class _ParameterCallbacks:
     def take(self, of: ParameterSet) -> None:
         """Register a set as owner of its names."""
         self._owners.update(dict.fromkeys(of.names, of))
+
+    def read(self, asked: Any) -> str:
+        """
+        Bring a ``rcl_interfaces/Parameter`` into the type that is declared.
+
+        Returns
+        -------
+        str
+            Why the value is refused; '' if it is not, or if rclpy or the whole change decides.
+
+        """
+        name, value = asked.name, asked.value
+        if value.type not in TYPES:
+            # It would end the node. rclpy refuses what is not set.
+            value.type = ParameterType.PARAMETER_NOT_SET
+        if not self._node.has_parameter(name):
+            node = self._node.get_fully_qualified_name()
+            return f"there is no parameter {name!r}; 'ros2 param list {node}' shows all"
+        if name not in self._owners or value.type == ParameterType.PARAMETER_NOT_SET:
+            return ''
+        try:
+            read = self._owners[name].read(name, parameter_value_to_python(value))
+        except BearingTwinError as error:
+            return str(error)
+        kind = self._node.get_parameter(name).type_
+        asked.value = Parameter(name, kind, read).get_parameter_value()
+        return ''
 
     def _parted(self, parameters: list[Parameter[Any]]) -> dict[ParameterSet, list[Any]]:
         parted: dict[ParameterSet, list[Any]] = {}

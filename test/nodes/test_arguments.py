@@ -107,26 +107,45 @@ def test_what_is_given_is_taken_as_meant_or_refused_by_name(nodes, probe, tmp_pa
 
 
 @pytest.mark.ros
-def test_a_parameter_of_no_type_or_too_long_a_text_is_refused(nodes, probe):
+def test_a_running_node_reads_a_value_as_at_start(nodes, probe):
     nodes.start('diagnosis', {})
     probe.until_active('/diagnosis')
-    for value, why in (
+    services = (
+        (SetParameters, 'set_parameters', lambda answer: answer.results[0]),
+        (SetParametersAtomically, 'set_parameters_atomically', lambda answer: answer.result),
+    )
+    for name, value, why in (
+        # As 'ros2 param set' sends them.
+        ('bearing', ParameterValue(type=2, integer_value=6205), ''),
+        ('window', ParameterValue(type=2, integer_value=4), ''),
+        ('window', ParameterValue(type=2, integer_value=61), 'is outside 1..60 s'),
+        (
+            'window',
+            ParameterValue(type=4, string_value='4 s'),
+            'write a decimal point and no unit',
+        ),
+        (
+            'windw',
+            ParameterValue(type=2, integer_value=4),
+            "no parameter 'windw'; 'ros2",
+        ),
+        ('series_cycle', ParameterValue(type=2, integer_value=4), 'cannot change while the node'),
+        ('windw', ParameterValue(type=77), "no parameter 'windw'"),
         # rclpy would end the node.
-        (ParameterValue(type=77), 'Static parameter cannot be undeclared'),
+        ('bearing', ParameterValue(type=77), 'Static parameter cannot be undeclared'),
         # The node would stand still for minutes, and look for a bearing of that name.
         (
+            'bearing',
             ParameterValue(type=4, string_value='x' * 10_000_000),
             '10000000 characters are too many',
         ),
     ):
-        given = [Parameter(name='bearing', value=value)]
-        one = probe.call(SetParameters, '/diagnosis/set_parameters', parameters=given)
-        together = '/diagnosis/set_parameters_atomically'
-        atomic = probe.call(SetParametersAtomically, together, parameters=given)
-        for result in (one.results[0], atomic.result):
-            assert not result.successful
+        given = [Parameter(name=name, value=value)]
+        for kind, service, result_of in services:
+            result = result_of(probe.call(kind, f'/diagnosis/{service}', parameters=given))
+            assert result.successful == (not why), result.reason
             assert why in result.reason
-    assert probe.get_parameters('/diagnosis', 'bearing') == ['6307']
+    assert probe.get_parameters('/diagnosis', 'bearing', 'window') == ['6205', 4.0]
 
 
 ASSETS = {
