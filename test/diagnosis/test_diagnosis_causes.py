@@ -9,6 +9,7 @@ from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, record
 from bearing_twin.diagnosis.chain import Analysis, Excerpt
 from bearing_twin.diagnosis.rules.confidence import confidence, Trust
 from bearing_twin.diagnosis.signal.impulsive_outliers import limit_impulsive_outliers
+from bearing_twin.diagnosis.thresholds import SLIP_COST
 import numpy as np
 import pytest
 from scipy import signal
@@ -258,6 +259,17 @@ def test_confidence_is_a_share_and_moves_with_what_it_rests_on():
     assert confidence('suspect', Trust(**at, others=1.5)) < confidence('suspect', Trust(**at))
     quiet, struck = Trust(elsewhere_z=4.0), Trust(elsewhere_z=12.0, elsewhere_index=0.9)
     assert confidence('healthy', struck) < confidence('healthy', quiet)
+    # Beyond what the machines had that the weights are fitted to, a term says no more.
+    known = {'z': 8.0, 'elsewhere_z': 12.0}
+    for name, end, beyond in (
+        ('index', 2.0, 9.0),
+        ('elsewhere_index', 1.0, 9.0),
+        ('impacts', 3.0, 9.0),
+        ('impacts', 0.0, -9.0),
+        ('slip', 3.0 * SLIP_COST, 9.0),
+    ):
+        at_end, past = (Trust(**known, **{name: value}) for value in (end, beyond))
+        assert at_end.terms() == past.terms() != Trust(**known, **{name: 0.5 * end + 0.01}).terms()
 
 
 def test_another_bearing_is_said_and_no_fault_is_named(rng):

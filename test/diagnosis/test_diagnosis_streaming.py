@@ -357,7 +357,9 @@ def test_settings_are_checked(wrong):
 @pytest.mark.parametrize('size', [1e-308, 1e-200, 1e200, 1e308])
 def test_samples_whose_powers_are_no_numbers_are_refused(size):
     x = size * np.random.default_rng(0).uniform(-1.0, 1.0, 3 * 25_600)
-    for verdict in StreamingDiagnoser(find_bearing('6307')).push(0, x, 25_600.0, 25.0):
+    verdicts = StreamingDiagnoser(find_bearing('6307')).push(0, x, 25_600.0, 25.0)
+    assert len(verdicts) == 3
+    for verdict in verdicts:
         assert verdict.result == 'insufficient'
         assert any('constant' in text or 'any sensor' in text for text in verdict.reasons)
     series = SeriesMonitor(find_bearing('6307'), DiagnosisSettings(series_cycle=1.0))

@@ -48,6 +48,15 @@ def test_catches_up_then_skips_and_counts():
     assert p.report().published == 9
 
 
+def test_the_phase_is_the_elapsed_part_of_the_period():
+    p = pacer()
+    run(p, 3 * PERIOD)
+    parts = [p.phase(round((3.0 + part) * PERIOD)) for part in (-1.0, 0.0, 0.25, 0.75, 2.0)]
+    assert parts == pytest.approx([0.0, 0.0, 0.25, 0.75, 1.0])
+    p.release()
+    assert p.phase(4 * PERIOD) == 0.0
+
+
 def test_what_may_wait_is_given_out_by_the_next_calls():
     p = pacer(behind=12)
     times = [24 * PERIOD, 24 * PERIOD, 25 * PERIOD, 25 * PERIOD]

@@ -3,7 +3,7 @@
 """From other people's samples to blocks: nothing is lost, shifted or invented unseen."""
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.streams.samplerate import RateMeter
+from bearing_twin.streams.samplerate import FEWEST, RateMeter
 from bearing_twin.streams.sampling import (
     BlockBuilder,
     SequenceTracker,
@@ -153,7 +153,9 @@ def test_undated_samples_and_restarts_have_no_measured_rate():
     for k in range(50):
         meter.take(25600 * k, 0)
     assert meter.problem(25600.0) is None
-    meter = metered(12000.0, 5)
+    assert metered(12000.0, FEWEST).problem(25600.0) is None
+    meter = metered(12000.0, FEWEST + 2)
+    assert meter.problem(25600.0) is not None
     meter.take(0, 2 * 10**18)
     assert meter.problem(25600.0) is None
 

@@ -70,9 +70,9 @@ def test_backward_stamp_is_rejected():
 def test_repeated_stamp_is_not_progress():
     gate = TemperatureGate()
     gate.offer(60.0, stamp=10 * SECOND, now=1.0)
-    for k in range(10):
-        status = gate.offer(90.0, stamp=10 * SECOND, now=1.0 + k)
-    assert status is TemperatureStatus.BACKWARDS
+    said = {gate.offer(90.0, stamp=10 * SECOND, now=1.0 + k) for k in range(10)}
+    assert said == {TemperatureStatus.BACKWARDS}
+    assert gate.at(10.0).used == 60.0
 
 
 def test_restarted_source_is_believed_after_three_rising_stamps():

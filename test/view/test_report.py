@@ -131,7 +131,9 @@ def test_the_page_names_the_verdict_and_shows_every_picture(recording, page):
 
 
 def test_every_picture_draws_something(page):
-    for svg in re.findall(r'<svg.*?</svg>', page, re.DOTALL):
+    pictures = re.findall(r'<svg.*?</svg>', page, re.DOTALL)
+    assert len(pictures) == page.count('<figure>')
+    for svg in pictures:
         points = re.findall(r'[ML] (-?[\d.]+) (-?[\d.]+)', svg)
         assert len(points) > 100
         assert 'nan' not in ' '.join(re.findall(r' d="(.*?)"', svg, re.DOTALL))

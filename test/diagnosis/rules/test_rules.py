@@ -372,9 +372,12 @@ def test_combs_of_other_places_make_a_suspicion_less_sure():
     assert confidence('suspect', alone.trust) > confidence('suspect', among.trust)
 
 
-def test_two_faults_are_named_and_their_order_is_that_of_their_weight():
-    said = decide(Evidence.of(INNER, comb('outer', z=20.0), others=(INNER,)))
-    assert (said.result, said.faults) == ('outer', ('outer', 'inner'))
+@pytest.mark.parametrize(('index', 'rule'), [(0.8, 'fault'), (0.4, 'weak_modulation')])
+def test_two_faults_are_named_and_their_order_is_that_of_their_weight(index, rule):
+    first, second = comb('outer', z=20.0, index=index), comb('inner', index=index)
+    said = decide(Evidence.of(second, first, others=(second,)))
+    assert (said.rule, said.faults) == (rule, ('outer', 'inner'))
+    assert said.reasons[:2] == (str(first), str(second))
 
 
 def test_a_doubtful_second_fault_that_is_much_weaker_leaves_the_first():
