@@ -212,6 +212,25 @@ def test_a_channel_of_one_axis_or_of_three_dimensions_is_refused_with_the_remedy
         read_signal(path)
 
 
+@pytest.mark.parametrize('heading', ['', 'time\tDE\tFE\n'])
+def test_a_column_of_a_text_file_is_chosen_by_its_number_in_the_list(
+    tmp_path: Path, heading: str
+) -> None:
+    path = tmp_path / 'a.txt'
+    columns = X[:900].reshape(3, 300).copy()
+    if heading:
+        columns[0] = np.arange(300) / 5000.0
+    path.write_text(heading + '\n'.join('\t'.join(f'{v:.9g}' for v in row) for row in columns.T))
+    names = channels(path)
+    assert names == (['DE', 'FE'] if heading else ['c0', 'c1', 'c2'])
+    for number, name in enumerate(names):
+        signal = read_signal(path, channel=str(number), sample_rate=5000.0)
+        assert signal.source.endswith(f', {name}')
+        np.testing.assert_allclose(signal.x, columns[number - len(names)], rtol=1e-8)
+    with pytest.raises(BearingTwinError, match=rf"channel '3' does not .* 0..{len(names) - 1}"):
+        read_signal(path, channel='3', sample_rate=5000.0)
+
+
 def test_csv_without_any_heading(tmp_path: Path) -> None:
     path = tmp_path / 'a.csv'
     path.write_text('\n'.join(f'{v:.9g}' for v in X[:300]))

@@ -97,8 +97,9 @@ def read_signal(
     path
         The file.
     channel
-        Name of the channel as above, or a part of it that only one channel has (``DE`` for
-        ``DE_time``). None: the only channel, or the longest one.
+        Name of the channel as above, a part of it that only one channel has (``DE`` for
+        ``DE_time``), or its number in the list of :func:`channels`, from 0. None: the only
+        channel, or the longest one.
     sample_rate
         Sample rate, Hz. It replaces a different rate in the file, which `Signal.source` then
         mentions.
@@ -278,6 +279,10 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
     others: list[str] = []
     if not name:
         name, others = _likeliest(numeric)
+        if row and others and max(numeric[name].shape) == numeric[name].size:
+            # The number is that of an array in the list of the channels: there is no table.
+            names = _candidates(numeric)
+            name, row, others = names[_index(row, len(names), f'{path}: channel')], '', []
     if name not in numeric:
         held = ', '.join(list(numeric)[:10])
         msg = (
@@ -306,7 +311,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
 def _asked(
     numeric: Mapping[str, NDArray[Any]], path: Path, channel: str | None
 ) -> tuple[str, str]:
-    """Return the names of array and row in ``NAME``, ``NAME:ROW`` or ``ROW``; '' for none."""
+    """Return the names of array and row in ``NAME``, ``NAME:ROW`` or a number; '' for none."""
     if channel is None or channel in numeric:
         return channel or '', ''
     if channel.isdecimal():
