@@ -224,7 +224,9 @@ _HEALTHY = (
 )
 def faint_comb(e: Evidence) -> Verdict | None:
     heard = [f'{c}: too weak for a remark alone; compare with an earlier record' for c in e.faint]
-    if e.elsewhere.z >= Z_ELSEWHERE and e.impacts['elsewhere'] >= IMPACTS:
+    # In the bands of the variable compliance the comb of an outer race is clearer at any order.
+    own = any(abs(c.order - e.elsewhere.order) <= 2.0 * e.step for c in e.faint)
+    if not own and e.elsewhere.z >= Z_ELSEWHERE and e.impacts['elsewhere'] >= IMPACTS:
         heard.append(
             f'{e.elsewhere}: of no part of a {e.bearing.name}, and too weak for a '
             'remark alone; check bearing and speed'

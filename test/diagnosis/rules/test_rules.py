@@ -421,6 +421,14 @@ def test_faint_impacts_elsewhere_are_no_suspicion(z, index):
     )
 
 
+@pytest.mark.parametrize(('order', 'said'), [(3.585, 0), (3.593, 0), (3.7, 1)])
+def test_a_faint_comb_of_a_part_is_not_said_to_be_of_no_part(order, said):
+    outer = comb('outer', order=3.585, z=10.5, index=0.2)
+    heard = comb('elsewhere', order=order, z=10.7, index=0.2)
+    reasons = decide(Evidence.of(outer, elsewhere=heard, impacts={'elsewhere': 1.2})).reasons
+    assert sum('of no part of a 6205' in reason for reason in reasons) == said
+
+
 def test_one_faint_place_or_two_that_may_be_chance_are_no_doubt():
     for second in (comb('outer', z=5.4, index=0.17), comb('outer', z=20.0, index=0.12)):
         said = decide(Evidence.of(comb('inner', z=6.3, index=0.17), second, turns=100.0))
