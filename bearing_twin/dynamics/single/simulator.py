@@ -449,11 +449,14 @@ class Simulator:
         tables = self.tables._replace(machines=machines)
         kernel.settle(state, tables, values)
         kernel.start(state, tables, values)
-        kernel.advance(
-            state, self.history, tables, self._resonators, self._taps,
-            np.array([values, values]), np.zeros((2, coefficients.INPUTS)), self.fade, 0, 0, -n,
-            0, np.empty((2, n), np.float32),
-        )  # fmt: skip
+        if n:
+            # A part of an array, as from `_advance`: numba compiles it again for a whole one.
+            out = np.empty((2, n + 1), np.float32)[:, :n]
+            kernel.advance(
+                state, self.history, tables, self._resonators, self._taps,
+                np.array([values, values]), np.zeros((2, coefficients.INPUTS)), self.fade, 0, 0,
+                -n, 0, out,
+            )  # fmt: skip
         state['cage'], state['shaft'], state['spin'] = turns, turns, 0.0
         self._start_motion()
 
