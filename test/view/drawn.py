@@ -5,6 +5,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pyarrow as pa
 from rerun.chunk import RrdReader
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
@@ -23,10 +24,18 @@ def columns(rrd, entity, component):
         if data is None:
             continue
         line = next(name for name in ('ros_time', 'since_start') if name in names)
-        times += batch.column(names.index(line)).cast('int64').to_pylist()
-        values += batch.column(names.index(data)).to_pylist()
+        times += batch.column(names.index(line)).cast('int64').to_numpy().tolist()
+        values += _rows(batch.column(names.index(data)))
     order = np.argsort(times, kind='stable')
     return np.array(times)[order], [values[k] for k in order]
+
+
+def _rows(column):
+    """Return rows as lists; pyarrow makes one object a row, and a signal has a million."""
+    numbers = column.type.value_type == pa.float64()
+    if numbers and column.value_lengths().unique().to_pylist() == [1]:
+        return column.flatten().to_numpy()[:, None].tolist()
+    return column.to_pylist()
 
 
 def stamp(time):
