@@ -89,13 +89,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _play(signal: Signal, args: argparse.Namespace) -> int:
+    from bearing_twin.ros.processes.domain import initialise
     from bearing_twin.ros.processes.launching import ensure_log_folder
     from bearing_twin.ros.topics.qos import own, STREAM
     import rclpy
     from rclpy.duration import Duration
 
     ensure_log_folder()
-    rclpy.init(args=[])
+    initialise([])
     try:
         node = rclpy.create_node('play', enable_rosout=False, start_parameter_services=False)
         source = _source(signal, args)
@@ -121,10 +122,11 @@ def _play(signal: Signal, args: argparse.Namespace) -> int:
         if rclpy.ok():
             publisher.wait_for_all_acked(Duration(seconds=LONGEST_ACK))
         return 0 if args.loop or source.finished else 143
-    except RuntimeError:
-        # An RCLError: SIGTERM has ended the context while it was in use.
+    except RuntimeError as error:
+        # An RCLError.
         if rclpy.ok():
-            raise
+            raise BearingTwinError(str(error)) from None
+        # SIGTERM has ended the context while it was in use.
         return 0 if args.loop else 143
     finally:
         # A signal may end the context at the same time, in a thread of rclpy.

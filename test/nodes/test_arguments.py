@@ -67,6 +67,33 @@ def test_what_rclpy_cannot_begin_with_is_said_in_a_sentence(
     assert text in ran.stderr
 
 
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('variable', 'value', 'text', 'status'),
+    [
+        ('ROS_DOMAIN_ID', '300', 'ROS_DOMAIN_ID=300 is outside 0..232; choose a value inside', 2),
+        ('ROS_DOMAIN_ID', '-1', 'ROS_DOMAIN_ID=-1 is outside 0..232; choose a value inside', 2),
+        # A name that is not known yet may be known at the next start.
+        ('ROS_STATIC_PEERS', 'nobody.invalid', 'Unable to resolve peer nobody.invalid', 1),
+    ],
+)
+def test_a_network_that_cannot_be_joined_is_named(
+    ros_domain, tmp_path, variable, value, text, status
+):
+    samples = tmp_path / 'samples.csv'
+    samples.write_text('acc\n' + '0.1\n-0.1\n' * 500)
+    environment = {**os.environ, variable: value}
+    for command, expected in (
+        (['run', 'adapter', '--ros-args', '-p', 'sample_rate:=1000.0'], status),
+        (['play', samples, '--rate', '1000'], 1),
+    ):
+        ran = python('-m', 'bearing_twin', *command, env=environment)
+        assert ran.returncode == expected, ran.stderr
+        assert text in ran.stderr
+        assert 'Traceback' not in ran.stderr
+        assert '2038' not in ran.stderr
+
+
 def test_a_picture_is_kept_and_what_is_live_is_not(tmp_path, capsys):
     source, target = tmp_path / 'a.rrd', tmp_path / 'b.rrd'
     source.write_bytes(b'picture')

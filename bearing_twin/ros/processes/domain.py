@@ -1,21 +1,22 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Find an unused ROS domain, for runs that must not receive messages of other processes."""
+"""Join the ROS domain of the environment, or find one that no other process uses."""
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import os
 import socket
 import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import check_range
 from bearing_twin.ros.processes.launching import ensure_log_folder
 import rclpy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 
 HIGHEST_DOMAIN = 232
@@ -32,6 +33,29 @@ FIRST_PORT, PORTS_A_DOMAIN = 7400, 250
 PARTICIPANTS = range(10, 42, 2)
 CLAIM = 5
 """Offset of a port that RTPS does not use; a process that holds it has claimed the domain."""
+
+
+def initialise(args: Sequence[str] | None) -> None:
+    """
+    Initialise rclpy.
+
+    Raises
+    ------
+    BearingTwinError
+        If the parameter file or ``ROS_DOMAIN_ID`` is invalid. Of a domain without ports Fast DDS
+        says no number, and ends the process; a negative one would be domain 0.
+
+    """
+    # Of what is no number rclpy says so.
+    with suppress(ValueError):
+        domain = int(os.environ.get('ROS_DOMAIN_ID', '0'))
+        check_range('ROS_DOMAIN_ID', domain, 0, HIGHEST_DOMAIN, '')
+    try:
+        # Not as a context manager, which rclpy supports only since Kilted.
+        rclpy.init(args=list(args) if args is not None else None)
+    except (RuntimeError, UnicodeError) as error:
+        # RCLError is a RuntimeError.
+        raise BearingTwinError(str(error)) from None
 
 
 def inhabitants(domain: int, listen: float) -> list[str]:

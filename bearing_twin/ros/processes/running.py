@@ -19,6 +19,7 @@ from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import refuses
+from bearing_twin.ros.processes.domain import initialise
 from bearing_twin.ros.processes.fastdds import set_up_fast_dds
 from bearing_twin.ros.processes.launching import (
     COMPILING,
@@ -156,7 +157,7 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
     node: ManagedNode | None = None
     interrupts = _note_interrupts()
     try:
-        _init(args)
+        initialise(args)
         try:
             if interrupts:
                 # The interrupt came before rclpy installed its handler.
@@ -175,28 +176,17 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         print(shown(f'{_program(node_class)}: {error}', keep='\n'), file=sys.stderr)
         return REFUSED if node is None or node.refused else 1
     except RCLError as error:
-        # With such a system time Fast DDS 3.2 sends nothing and never recovers: the process must
+        # With a time beyond 2038 Fast DDS 3.2 sends nothing and never recovers: the process must
         # be restarted.
+        hint = '; is the system clock beyond 2038?' if 'publish' in str(error) else ''
         print(
-            f'{_program(node_class)}: nothing can be sent ({error}); is the system clock beyond '
-            '2038?',
-            file=sys.stderr,
+            shown(f'{_program(node_class)}: nothing can be sent ({error}){hint}'), file=sys.stderr
         )
         return 1
     finally:
         # Only the end of the process remains: do not interrupt it.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     return 1 if node.failed else 0
-
-
-def _init(args: Sequence[str] | None) -> None:
-    """Initialise rclpy; raise BearingTwinError for an invalid parameter file or domain."""
-    try:
-        # Not as a context manager, which rclpy supports only since Kilted.
-        rclpy.init(args=list(args) if args is not None else None)
-    except (RuntimeError, UnicodeError) as error:
-        # RCLError is a RuntimeError.
-        raise BearingTwinError(str(error)) from None
 
 
 def _note_interrupts() -> list[int]:
