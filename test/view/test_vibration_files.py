@@ -78,12 +78,12 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
     ranges, sources, tops = set(), set(), {}
     store = reader(rrd)
     for chunk in store.stream():
-        batch = chunk.to_record_batch().to_pydict()
-        if str(chunk.entity_path).endswith('whole/scale'):
-            tops[str(chunk.entity_path)] = batch['BarChart:values'][0]
-        for name, values in batch.items():
-            if str(chunk.entity_path).startswith('/__properties/vibration') and 'source' in name:
-                sources.add(values[0][0])
+        path, batch = str(chunk.entity_path), chunk.to_record_batch()
+        if path.endswith('whole/scale'):
+            tops[path] = batch.column('BarChart:values').to_pylist()[0]
+        if path.startswith('/__properties/vibration'):
+            named = [name for name in batch.schema.names if 'source' in name]
+            sources |= {batch.column(name).to_pylist()[0][0] for name in named}
     for blueprint in store.blueprints():
         for chunk in store.stream(store=blueprint):
             for name, values in chunk.to_record_batch().to_pydict().items():
