@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+import pty
 import signal
+import sys
 import threading
 import time
 from typing import TYPE_CHECKING
@@ -61,6 +63,21 @@ def test_a_second_interrupt_leaves_no_torn_recording(
         assert nodes.end('recorder') == 0
     assert recording_info(bag).finished
     assert (bag / 'metadata.yaml').exists()
+
+
+@pytest.mark.ros
+def test_a_closed_terminal_leaves_no_torn_recording(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    words = ['-m', 'bearing_twin', 'run', 'recorder', '--ros-args', '-p', f'output:={bag}']
+    pid, terminal = pty.fork()
+    if not pid:
+        os.execv(sys.executable, [sys.executable, *words])
+    said = b''
+    while b'recording to' not in said:
+        said += os.read(terminal, 4096)
+    os.close(terminal)
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+    assert recording_info(bag).finished
 
 
 def interrupted(

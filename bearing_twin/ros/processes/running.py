@@ -54,8 +54,9 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
     """
     Run a node until a signal ends it; return the exit status.
 
-    SIGINT and SIGTERM end it cleanly: files are finished and the status is 0. The status is
-    :data:`REFUSED` if parameters or arguments are refused, because a restart would not help.
+    SIGINT, SIGTERM and SIGHUP (a closed terminal) end it cleanly: files are finished and the
+    status is 0. The status is :data:`REFUSED` if parameters or arguments are refused, because a
+    restart would not help.
     """
     stray = _stray(sys.argv[1:] if args is None else args)
     if stray:
@@ -156,6 +157,8 @@ def _work(node: ManagedNode) -> None:
 def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
     node: ManagedNode | None = None
     interrupts = _note_interrupts()
+    if signal.getsignal(signal.SIGHUP) == signal.SIG_DFL:  # nohup ignores it
+        signal.signal(signal.SIGHUP, _terminate)
     try:
         initialise(args)
         try:
@@ -205,6 +208,12 @@ def _note_interrupts() -> list[int]:
     came: list[int] = []
     signal.signal(signal.SIGINT, lambda number, _: came.append(number))
     return came
+
+
+def _terminate(*_: object) -> None:
+    """End as by SIGTERM, which rclpy handles; a repeated SIGHUP is ignored."""
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _build(node_class: type[ManagedNode]) -> ManagedNode:
