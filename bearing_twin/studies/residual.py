@@ -191,7 +191,7 @@ def _pool(change: str, size: float, count: int) -> NDArray[np.float64]:
 
 
 def decisions_until(
-    change: str, size: float, learnt: int, *, drift: float = 0.0, trials: int = TRIALS
+    change: str, size: float, learnt: int, *, drift: float = 0.0
 ) -> list[tuple[float, str]]:
     """
     Return for each machine the decisions until a change is an alarm, and its band.
@@ -204,7 +204,7 @@ def decisions_until(
     healthy, changed = _pool('', 0.0, DAY + 200), _pool(change, size, 60)
     gain = np.array([not name.startswith('line') for name in names])
     found = []
-    for _ in range(trials):
+    for _ in range(TRIALS):
         order = rng.permutation(len(healthy))
         residual = Residual()
         for row in healthy[order[: min(learnt, DAY)]]:

@@ -59,9 +59,7 @@ PHYSICAL = Law(Slope(PER_KELVIN[0], 0.0, -math.inf, math.inf, known=True))
 LAWS = {'none': Law(), 'physical mode': PHYSICAL, 'learnt': None}
 
 
-def simulated_slopes(
-    loads: Sequence[float] = LOADS, clearances: Sequence[float] = CLEARANCES
-) -> tuple[np.ndarray, np.ndarray]:
+def simulated_slopes() -> tuple[np.ndarray, np.ndarray]:
     """
     Return change of level with temperature, dB/K, and with speed, dB per doubling, of each twin.
 
@@ -69,7 +67,7 @@ def simulated_slopes(
     so that these are the largest changes of a healthy bearing in the physical mode.
     """
     slopes, octaves = [], []
-    for load, clearance in product(loads, clearances):
+    for load, clearance in product(LOADS, CLEARANCES):
         twin = replace(
             preset('incipient', bearing='6307-catalogue', defect='none', thermal_mode='physical'),
             load=load, clearance=clearance, noise=0.0, waviness=0.0,
@@ -142,7 +140,7 @@ class Onset(NamedTuple):
     """Largest correction, dB."""
 
 
-def run_table(data: Path, runs: Sequence[str] = ()) -> Iterator[tuple[object, ...]]:
+def run_table(data: Path) -> Iterator[tuple[object, ...]]:
     """Yield a row per run and kind of baseline: onsets uncorrected, with prior, and learnt."""
     folder = data / 'femto'
     files = [path for path in sorted(folder.glob('femto_*.npz')) if 'trend' not in path.stem]
@@ -151,8 +149,6 @@ def run_table(data: Path, runs: Sequence[str] = ()) -> Iterator[tuple[object, ..
         raise BearingTwinError(msg)
     for path in files:
         run = path.stem.removeprefix('femto_Bearing')
-        if runs and run not in runs:
-            continue
         trend = folder / f'{path.stem[:-1]}trend.npz'
         snapshots = list(read_snapshots([path, trend]))
         for way, judge in (('settled', _settled), ('first 10 min', _at_once)):

@@ -42,8 +42,9 @@ SHOWS = {
 )  # fmt: skip
 def test_a_change_is_seen_where_it_is(monkeypatch, change, day):
     monkeypatch.setattr('bearing_twin.studies.residual.DAY', day)
+    monkeypatch.setattr('bearing_twin.studies.residual.TRIALS', 4)
     size = 6.0 if change == 'imbalance' else -6.0
-    found = decisions_until(change, size, 200, trials=4)
+    found = decisions_until(change, size, 200)
     assert max(decisions for decisions, _ in found) <= 10
     assert {where for _, where in found} <= SHOWS[change]
 
@@ -51,9 +52,10 @@ def test_a_change_is_seen_where_it_is(monkeypatch, change, day):
 @pytest.mark.parametrize('day', [200, *in_proofs(DAY)])
 def test_a_sensor_that_drifts_is_seen_and_health_is_not(monkeypatch, day):
     monkeypatch.setattr('bearing_twin.studies.residual.DAY', day)
-    assert {decisions for decisions, _ in decisions_until('', 0.0, 200, trials=4)} == {math.inf}
+    monkeypatch.setattr('bearing_twin.studies.residual.TRIALS', 4)
+    assert {decisions for decisions, _ in decisions_until('', 0.0, 200)} == {math.inf}
     # 0.2 dB a decision; the level of the machine itself scatters by 0.3 dB.
-    drifts = [n for n, _ in decisions_until('', 0.0, 200, drift=-0.2, trials=4)]
+    drifts = [n for n, _ in decisions_until('', 0.0, 200, drift=-0.2)]
     assert min(drifts) >= 5 and max(drifts) <= 40
 
 

@@ -63,8 +63,9 @@ def test_run_in_while_it_warms_up_is_not_taken_for_temperature():
     assert known <= 4
 
 
-def goes_with_temperature(kind, rng, count=250):
+def goes_with_temperature(kind, rng):
     """Return levels and temperatures of a machine, one an hour; the level need not follow."""
+    count = 250
     hour = np.arange(count)
     heat = 55.0 + 10.0 * np.sin(2.0 * np.pi * hour / 24.0 + 6.0 * rng.random())
     heat += 4.0 * wander(rng, count, 10.0, 1.0)
@@ -220,16 +221,21 @@ def test_rise_finds_what_the_study_counts():
         restored(Rise, {'total': -1.0, 'lasting': 0, 'found': False})
 
 
-def test_simulated_bearings_get_louder_and_quieter_with_temperature():
+def test_simulated_bearings_get_louder_and_quieter_with_temperature(monkeypatch):
     """The prior holds what the physical mode says, which is not even the sign."""
-    slopes, octaves = temperature.simulated_slopes(loads=(500.0, 2000.0), clearances=(0.0, 10e-6))
+    monkeypatch.setattr(temperature, 'LOADS', (500.0, 2000.0))
+    monkeypatch.setattr(temperature, 'CLEARANCES', (0.0, 10e-6))
+    slopes, octaves = temperature.simulated_slopes()
     assert slopes.min() < -0.02 < 0.02 < slopes.max()
     assert abs(np.median(slopes) - PER_KELVIN[0]) < PER_KELVIN[1]
     assert 4.0 < np.median(octaves) < 16.0
 
 
-def test_table_of_a_run_to_failure(data_dir):
-    rows = list(temperature.run_table(data_dir, runs=('3_1_V',)))
+def test_table_of_a_run_to_failure(data_dir, tmp_path):
+    (tmp_path / 'femto').mkdir()
+    for name in ('femto_Bearing3_1_V.npz', 'femto_Bearing3_1_trend.npz'):
+        (tmp_path / 'femto' / name).symlink_to(data_dir / 'femto' / name)
+    rows = list(temperature.run_table(tmp_path))
     assert [row[:2] for row in rows] == [('3_1 V', 'settled'), ('3_1 V', 'first 10 min')]
     assert all(row[2:5] == (0, 0, 0) for row in rows)
     assert all(float(lead) > 0.03 for row in rows for lead in row[5:8])
