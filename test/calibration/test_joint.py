@@ -69,9 +69,9 @@ def test_two_pits_are_no_entry_and_exit():
     assert width.q95 > 2.0
 
 
-def seen_at(x, shaft_hz, place='outer'):
-    """Return the two impacts of a passage that a record shows."""
-    machine = Situation(bearing=BEARING, place=place, shaft_hz=shaft_hz, sample_rate=RATE)
+def seen_at(x, shaft_hz):
+    """Return the two impacts of a passage over an outer race that a record shows."""
+    machine = Situation(bearing=BEARING, place='outer', shaft_hz=shaft_hz, sample_rate=RATE)
     whole = correlate(x, RATE)
     return impacts_of(whole, whole.summary(machine.longest_spacing), machine)
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 
-def twin(seconds=2.0, shaft_hz=20.0, seed=3, **options):
+def twin(**options):
     """Vibration of a twin that the fit is not told."""
     parameters = preset('incipient', bearing=BEARING, **options)
-    simulator = Simulator(parameters, sample_rate=RATE, seed=seed, shaft_hz=shaft_hz)
-    simulator.advance(int(0.3 * RATE), 30.0, shaft_hz)
-    return simulator.advance(int(seconds * RATE), 30.0, shaft_hz).y.astype(float)
+    simulator = Simulator(parameters, sample_rate=RATE, seed=3, shaft_hz=20.0)
+    simulator.advance(int(0.3 * RATE), 30.0, 20.0)
+    return simulator.advance(int(2.0 * RATE), 30.0, 20.0).y.astype(float)
 
 
 def test_twin_through_its_path_passes_for_the_machine():

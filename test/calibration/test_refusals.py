@@ -118,12 +118,12 @@ def test_a_part_that_strikes_at_a_multiple_of_the_shaft_is_seen(shaft_hz):
     assert not no_impacts(x, machine)
 
 
-def swelling(seed, rate=12800.0, seconds=6.0, shaft_hz=25.0, depth=0.15):
-    """Noise that swells with orders 1 to 6 of the shaft: a healthy machine."""
+def swelling(seed, shaft_hz=25.0):
+    """Six seconds of noise that swells with orders 1 to 6 of the shaft: a healthy machine."""
     rng = np.random.default_rng(seed)
-    t = np.arange(round(seconds * rate)) / rate
+    t = np.arange(6 * 12800) / 12800.0
     turning = [np.cos(2.0 * np.pi * (k * shaft_hz * t + rng.random())) for k in range(1, 7)]
-    return (1.0 + depth * sum(turning)) * rng.standard_normal(len(t))
+    return (1.0 + 0.15 * sum(turning)) * rng.standard_normal(len(t))
 
 
 def test_orders_of_the_shaft_are_no_impacts_of_an_outer_race():

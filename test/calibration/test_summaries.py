@@ -13,9 +13,9 @@ import pytest
 from scipy import signal
 
 
-def swinging(rate, seconds=4.0):
+def swinging(rate):
     """Pairs of impacts 2 ms apart and a slow swing of a hundred times their height."""
-    n = round(rate * seconds)
+    n = round(4.0 * rate)
     x = 1e-3 * np.random.default_rng(1).standard_normal(n)
     every, apart = round(rate / 70.0), round(2e-3 * rate)
     x[100:-apart:every] += 1.0

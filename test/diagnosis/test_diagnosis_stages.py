@@ -223,12 +223,12 @@ def test_envelope_spectrum_of_noise_over_its_floor_is_exponential(rng):
     assert found.logs.mean() == pytest.approx(NEUTRAL, abs=0.03)
 
 
-def _orders(x, shaft_hz, top=25.0):
+def _orders(x, shaft_hz):
     spectrum = (np.fft.rfft(x) / len(x)).astype(np.complex64)
     bin_hz = RATE / len(x)
     tree = band_tree(len(spectrum) - 1, bin_hz, depth=2, narrowest_hz=500.0)
     envelopes = _envelope_spectra(
-        whiten(spectrum, 256), tree, max_hz=top * shaft_hz, floor_width=200
+        whiten(spectrum, 256), tree, max_hz=25.0 * shaft_hz, floor_width=200
     )
     power = np.abs(spectrum).astype(np.float32) ** 2
     return order_spectra(envelopes, tree.bands, shaft_hz, shaft_hz), envelopes, power, bin_hz

@@ -49,11 +49,11 @@ def test_the_fastest_impacts_have_the_index_of_a_fault(off):
     assert (np.hypot.reduce(lines) > INDEX_FAULT) == (off < 1.0)
 
 
-def _fast(seconds=3.0, rate=51_200):
-    """Order and speed at which an outer race strikes 1000 times a second, and noise."""
+def _fast():
+    """Order and speed at which an outer race strikes 1000 times a second, and 3 s of noise."""
     order = fault_orders(BEARING, 0.005).bpfo
     rng = np.random.default_rng(0)
-    return rng, order, 1000.0 / order, rng.standard_normal(round(seconds * rate))
+    return rng, order, 1000.0 / order, rng.standard_normal(3 * 51_200)
 
 
 @pytest.mark.parametrize(
@@ -147,8 +147,8 @@ def test_a_converter_of_few_steps_hides_no_fault():
     assert diagnose_record(x, 25_600, BEARING, SHAFT_HZ).result == 'inner'
 
 
-def _turns(seconds=8.0, rate=25_600, shaft_hz=SHAFT_HZ):
-    return shaft_hz * np.arange(round(seconds * rate)) / rate
+def _turns():
+    return SHAFT_HZ * np.arange(8 * 25_600) / 25_600
 
 
 @pytest.mark.parametrize('loudness', [1.0, 3.0])

@@ -303,12 +303,12 @@ def test_a_preset_refuses_what_it_does_not_know(changes):
 # --- kinematics, slip, fault lines -------------------------------------------------------------
 
 
-def squared_envelope_lines(signal, rate=RATE):
+def squared_envelope_lines(signal):
     """Squared envelope spectrum of the band above 2 kHz, frequencies and amplitudes."""
     spectrum = np.fft.rfft(signal - signal.mean())
-    spectrum[: int(2000.0 * len(signal) / rate)] = 0.0
+    spectrum[: int(2000.0 * len(signal) / RATE)] = 0.0
     envelope = np.abs(hilbert(np.fft.irfft(spectrum, len(signal)))) ** 2
-    return np.fft.rfftfreq(len(signal), 1.0 / rate), np.abs(
+    return np.fft.rfftfreq(len(signal), 1.0 / RATE), np.abs(
         np.fft.rfft((envelope - envelope.mean()) * np.hanning(len(signal)))
     )
 

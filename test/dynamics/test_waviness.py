@@ -18,13 +18,14 @@ RATE = 25600.0
 BANDS = (50.0, 300.0), (300.0, 1800.0), (1800.0, 10000.0)
 
 
-def on_the_test(p, seed, seconds=1.0):
+def on_the_test(p, seed):
     """
     Velocity in the three bands of a ring on ISO 15242's test, m/s, from the profiles alone.
 
-    1800 rpm, all balls loaded alike, so that the ring moves by 2/Z of the sum of the gaps.
+    1800 rpm for a second, all balls loaded alike, so that the ring moves by 2/Z of the sum of the
+    gaps.
     """
-    turns = 30.0 * np.arange(int(51200 * seconds)) / 51200.0
+    turns = 30.0 * np.arange(51200) / 51200.0
     orders, n = fault_orders(p.bearing), p.bearing.n_balls
     outer, inner, balls = (gaps for gaps, _ in profiles(p, seed))
     moved = np.zeros(len(turns))

@@ -33,9 +33,9 @@ VALUES = {spec.name: spec.default for spec in SPECS}
 RATE = 25600.0
 
 
-def block(number, samples=1024, shaft_hz=25.0):
+def block(number, samples=1024):
     x = np.random.default_rng(number).standard_normal(samples).astype(np.float32)
-    return VibrationBlock(number * 1024, x, RATE, shaft_hz, 'm/s^2', False, frame_id='imu')
+    return VibrationBlock(number * 1024, x, RATE, 25.0, 'm/s^2', False, frame_id='imu')
 
 
 def take(core, numbers, **changed):

@@ -18,9 +18,9 @@ import pytest
 NANO = 1_000_000_000
 
 
-def stamps(rate, count, jitter=0.0, seed=0):
+def stamps(rate, count, jitter=0.0):
     """Stamps of a regular source whose clock reading jitters by a part of the period."""
-    wobble = np.random.default_rng(seed).uniform(-jitter, jitter, count)
+    wobble = np.random.default_rng(0).uniform(-jitter, jitter, count)
     return np.round((np.arange(count) + wobble) * NANO / rate).astype(np.int64) + 5 * NANO
 
 
@@ -123,10 +123,10 @@ def test_channels_are_taken_apart():
         split_channels(np.arange(7), 2, interleaved=True)
 
 
-def metered(rate, seconds, *, block=512, late=0.0, pause=0.0, seed=0):
+def metered(rate, seconds, *, late=0.0, pause=0.0, seed=0):
     """Meter after blocks of a source; ``late`` is the jitter of their stamps, s."""
     rng = np.random.default_rng(seed)
-    meter = RateMeter()
+    meter, block = RateMeter(), 512
     for k in range(round(seconds * rate / block)):
         time = k * block / rate + rng.exponential(late) + (pause if k * block / rate > 5 else 0.0)
         meter.take(k * block, 10**18 + round(time * NANO))

@@ -59,9 +59,9 @@ def hosts():
             ip('netns', 'del', name, check=False)
 
 
-def wait_for_growth(folder, nodes, by, timeout=120.0):
+def wait_for_growth(folder, nodes, by):
     """Wait until the recording has grown by some bytes."""
-    end = time.monotonic() + timeout
+    end = time.monotonic() + 120.0
     start = None
     while True:
         size = sum(path.stat().st_size for path in folder.glob('*.mcap'))

@@ -248,7 +248,7 @@ def soak(
     *,
     domain: int,
     longest: float = math.inf,
-    show: bool = False,
+    show: bool,
 ) -> SoakReport:
     """
     Operate the nodes for ``seconds`` at ``pace`` times real time; the bag is ``folder/bag``.

@@ -370,7 +370,7 @@ def test_many_arrays_that_are_large_together(
         npz.read_npz(path)
 
 
-def entry(fields: bytes, name: bytes = b'') -> bytes:
+def entry(fields: bytes, name: bytes) -> bytes:
     return fields + struct.pack('<I', len(name)) + name
 
 

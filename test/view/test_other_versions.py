@@ -26,8 +26,8 @@ def without(schema, *fields):
     return schema
 
 
-def record(path, schema, count=50):
-    """Write twin states of another definition, as a twin of that version would."""
+def record(path, schema):
+    """Write 50 twin states of another definition, as a twin of that version would."""
     types = store_from_text(STATE, schema)
     fields = [name for name, _ in types.fielddefs[STATE][1]]
     time_type, header_type = (
@@ -37,7 +37,7 @@ def record(path, schema, count=50):
         channel = writer.register_channel(
             '/twin_state', 'cdr', writer.register_schema(STATE, 'ros2msg', schema.encode())
         )
-        for k in range(count):
+        for k in range(50):
             time = 1000 * SECOND + k * SECOND // 10
             stamp = time_type(sec=time // SECOND, nanosec=time % SECOND)
             values = dict.fromkeys(fields, 0) | {

@@ -145,9 +145,9 @@ def test_the_zone_raises_the_level_of_a_record():
     assert (plain.severity.iso_zone, plain.level) == ('', 'ok')
 
 
-def _answers(verdicts, hold=3):
+def _answers(verdicts):
     trend = Trend()
-    return [trend.update(v, MACHINE, wanted=60, hold=hold, full=True) for v in verdicts]
+    return [trend.update(v, MACHINE, wanted=60, hold=3, full=True) for v in verdicts]
 
 
 def test_one_other_window_does_not_undo_a_standing_answer_and_stays_visible():
@@ -268,7 +268,7 @@ def test_samples_that_show_no_place_show_how_loud_the_machine_is(height, hertz, 
     assert (quiet.result, quiet.level) == ('insufficient', 'none')
 
 
-def _windows(diagnoser, impacts, count, first=0):
+def _windows(diagnoser, impacts, count):
     """Diagnoses of windows of noise, those with impacts of the inner race where asked for."""
     rng, rate, found = np.random.default_rng(7), 25600, []
     gap = rate / (fault_orders(BEARING).bpfi * 25.0)
@@ -276,7 +276,7 @@ def _windows(diagnoser, impacts, count, first=0):
         x = rng.standard_normal(rate)
         if impacts(number):
             x[np.arange(0.0, rate, gap).astype(int)] += 25.0
-        found += diagnoser.push(first + number * rate, x, float(rate), 25.0)
+        found += diagnoser.push(number * rate, x, float(rate), 25.0)
     return found
 
 

@@ -106,7 +106,7 @@ def test_blades_beside_an_order_of_the_bearing_name_no_place():
     assert loud.place(find_bearing('6312'), quiet) is None
 
 
-def average_of_strikes(order, turns, given_hz, height=5.0, jitter=0.0):
+def average_of_strikes(order, turns, given_hz, jitter=0.0):
     """Return the average of 25 snapshots of a shaft of 25 Hz, with impacts at an order."""
     rng, average = np.random.default_rng(1), AveragedEnvelope()
     t = np.arange(round(turns / 25.0 * RATE)) / RATE
@@ -115,7 +115,7 @@ def average_of_strikes(order, turns, given_hz, height=5.0, jitter=0.0):
         steps = 1.0 + jitter * rng.standard_normal(round(turns * order))
         times = (rng.random() + np.cumsum(steps)) / (25.0 * order)
         train = np.zeros(len(t))
-        train[(times[times < t[-1]] * RATE).astype(int)] = height
+        train[(times[times < t[-1]] * RATE).astype(int)] = 5.0
         x = rng.standard_normal(len(t)) + np.convolve(train, ring)[: len(t)]
         average.add(x, RATE, given_hz)
     return average
