@@ -215,9 +215,13 @@ def _add_noise(level, seed, first, out):
         origin += CHUNK
 
 
-@compiled(inline=True, fast=FAST)
+@compiled(fast=FAST)
 def _instant(state, tables, values):
-    """Return a step and its gaps for the present phases and inputs, without cage jitter."""
+    """
+    Return a step and its gaps for the present phases and inputs, without cage jitter.
+
+    Three functions call this code, which takes seconds to compile.
+    """
     machine, inputs = tables.machines[_LONG], _as_inputs(values)
     bearing = _bearing(tables, machine, inputs, Inputs(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     steps, gaps = np.empty(1, STEP), np.zeros((1, 4, tables.balls.shape[1]))
@@ -231,7 +235,7 @@ def _instant(state, tables, values):
     open_gaps(bearing, phases, rates, inputs.depth, gaps, 0)
     shaft = (state.shaft_cos, state.shaft_sin)
     drive(steps[0], machine, inputs, bearing.growth, 0.0, turning, shaft)
-    return steps[0], gaps
+    return steps, gaps
 
 
 @compiled(inline=True)
@@ -253,7 +257,8 @@ def settle(states: Records, tables: Tables, values: FloatArray) -> None:
     """
     state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
-    step, gaps = _instant(state, tables, values)
+    steps, gaps = _instant(state, tables, values)
+    step = steps[0]
     foot_x, foot_y, inner = step.foot_x, step.foot_y, machine.inner_stiffness
     outer_x, outer_y = machine.outer_stiffness_x, machine.outer_stiffness_y
     compliance = 1.0 / inner + 1.0 / outer_x, 0.0, 1.0 / inner + 1.0 / outer_y
@@ -274,7 +279,8 @@ def start(states: Records, tables: Tables, values: FloatArray) -> None:
     """
     state, machine = states[0], tables.machines[_LONG]
     wrap_phases(state)
-    step, gaps = _instant(state, tables, values)
+    steps, gaps = _instant(state, tables, values)
+    step = steps[0]
     q = (state.q[0], state.q[1], state.q[2], state.q[3])
     v = (state.v[0], state.v[1], state.v[2], state.v[3])
     a = (0.0, 0.0, 0.0, 0.0)
