@@ -71,7 +71,7 @@ def healthy():
 def done(found, levels=(0.0, 0.0)):
     return Fit(
         found=found, bands=('25 Hz', 'order 1'), measured=np.array(levels), twin=np.zeros(2),
-        spectrum=np.zeros(129), turns=np.ones((2, 1024)),
+        spectrum=np.full(129, -3.0), turns=np.repeat([[1.0], [2.0]], 1024, axis=1),
     )  # fmt: skip
 
 
@@ -334,6 +334,12 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
     assert message.residual_over == pytest.approx(20.0, abs=2.0)
     assert FitResult.from_dict(json.loads(message.json)).defect == 'none'
     assert list(message.quantity) == list(found['quantities'])
+    # What is of the machine and what of the twin.
+    assert message.measured_level[1] > 10.0 and list(message.twin_level) == [0.0, 0.0]
+    machine_db = np.float32(found['spectrum']['machine_db'])
+    assert np.array_equal(message.measured_spectrum, machine_db)
+    assert set(message.twin_spectrum) == {-3.0}
+    assert (set(message.measured_turn), set(message.twin_turn)) == ({1.0}, {2.0})
     with pytest.raises(BearingTwinError):
         resumed.load(b'nothing')
     # After a repair the healthy twin is that of another bearing, and the reason tells so.
