@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import gc
+import threading
 import traceback
 from typing import Any, TYPE_CHECKING
 
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 
 POLL_PERIOD = 0.1
 """Longest time that a polled input waits, s."""
+PREPARATION = 'preparation'
+"""Name of the threads that may compile: the compiler cannot be interrupted."""
 
 
 class ManagedNode(LifecycleNode):
@@ -60,6 +63,8 @@ class ManagedNode(LifecycleNode):
         """Whether the work has ended with an error; sets the exit status of the process."""
         self.refused = False
         """Whether the error is a refused parameter, found only when the parameter was used."""
+        self.preparation = threading.Thread(target=self.prepare, name=PREPARATION, daemon=True)
+        """Thread of :meth:`prepare`; a configuration waits until it has ended."""
         self.parameters = ParameterSet(
             self,
             (*specs, AUTOSTART),
@@ -104,7 +109,7 @@ class ManagedNode(LifecycleNode):
         return self.create_service(Trigger, name, answer)
 
     def prepare(self) -> None:
-        """Compile at the first start; called in a thread, while services answer."""
+        """Compile at the first start; called in a thread, while the node answers."""
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Raise BearingTwinError if parameters contradict each other."""
@@ -148,6 +153,10 @@ class ManagedNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Set up the node; callback of rclpy."""
         self._managed = True
+        while self.preparation.is_alive():
+            self.preparation.join(0.1)
+            if not self.context.ok():
+                return TransitionCallbackReturn.FAILURE
         self._unconfigured = entities(self)
         result = self._attempt_or_undo(self.setup, self._unconfigured)
         if result == TransitionCallbackReturn.SUCCESS:

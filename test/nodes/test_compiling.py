@@ -9,6 +9,8 @@ import sys
 
 from bearing_twin.ros.processes.launching import COMPILING, NodeProcesses
 from cases import in_proofs
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 import pytest
 
 pytestmark = pytest.mark.ros
@@ -98,21 +100,59 @@ def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
     assert printed(script) == b"0\n['A']\n"
 
 
+SLOW_NODE = """
+import threading
+import time
+from bearing_twin.ros.lifecycle import ManagedNode
+from bearing_twin.ros.processes.running import run
+class SlowNode(ManagedNode):
+    def __init__(self):
+        super().__init__('slow', ())
+{method}
+raise SystemExit(run(SlowNode, ['--ros-args', '-p', 'autostart:=false']))
+"""
+
+
 def test_a_node_ends_while_its_parameters_are_checked(ros_domain):
     """The check compiles at a first start: launch kills what has not ended after ten seconds."""
-    script = (
-        'import time\n'
-        'from bearing_twin.ros.lifecycle import ManagedNode\n'
-        'from bearing_twin.ros.processes.running import run\n'
-        'class SlowNode(ManagedNode):\n'
-        '    def __init__(self):\n'
-        "        super().__init__('slow', ())\n"
-        '    def check(self, values):\n'
-        "        print('checking', flush=True)\n"
-        '        time.sleep(60.0)\n'
-        'raise SystemExit(run(SlowNode, []))\n'
-    )
+    method = """
+    def check(self, values):
+        print('checking', flush=True)
+        time.sleep(60.0)
+"""
+    script = SLOW_NODE.format(method=method)
     with subprocess.Popen([sys.executable, '-c', script], stdout=subprocess.PIPE) as node:
         assert node.stdout.readline() == b'checking\n'
+        node.send_signal(signal.SIGINT)
+        assert node.wait(30.0) == 0
+
+
+@pytest.mark.parametrize('ends', [False, True])
+def test_a_configuration_waits_for_the_compiler(ros_domain, probe, ends):
+    """A manager may ask for it as soon as the node is there; a signal ends the node anyway."""
+    method = f"""
+    asked = threading.Event()
+    def prepare(self):
+        self.asked.wait()
+        time.sleep({60.0 if ends else 0.5})
+        self.prepared = True
+    def on_configure(self, state):
+        print('configuring', flush=True)
+        self.asked.set()
+        return super().on_configure(state)
+    def setup(self):
+        print(self.prepared, flush=True)
+"""
+    script = SLOW_NODE.format(method=method)
+    with subprocess.Popen([sys.executable, '-c', script], stdout=subprocess.PIPE) as node:
+        manager = probe.node.create_client(ChangeState, '/slow/change_state')
+        probe.until(manager.service_is_ready, 'the node')
+        configure = Transition(id=Transition.TRANSITION_CONFIGURE)
+        answer = manager.call_async(ChangeState.Request(transition=configure))
+        assert node.stdout.readline() == b'configuring\n'
+        if not ends:
+            assert node.stdout.readline() == b'True\n'
+            probe.until(answer.done, 'an answer')
+            assert answer.result().success
         node.send_signal(signal.SIGINT)
         assert node.wait(30.0) == 0

@@ -18,7 +18,7 @@ from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
-from bearing_twin.ros.lifecycle import refuses
+from bearing_twin.ros.lifecycle import PREPARATION, refuses
 from bearing_twin.ros.processes.domain import initialise
 from bearing_twin.ros.processes.fastdds import set_up_fast_dds
 from bearing_twin.ros.processes.launching import (
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 RCLError: type[Exception] = rclpy_implementation.RCLError
 SLOW = 2.0
 """Time after which a node reports why its preparation takes long, s."""
-THREAD = 'compiler'
 _PR_SET_PDEATHSIG = 1
 """Option in ``linux/prctl.h``: signal to a process when its parent ends."""
 PART = 'real time'
@@ -103,11 +102,10 @@ def _prepare(node: ManagedNode, executor: Executor) -> None:
     If it takes long, the log and /diagnostics report why.
     """
     started = time.monotonic()
-    thread = threading.Thread(target=node.prepare, name=THREAD, daemon=True)
-    thread.start()
+    node.preparation.start()
     health: Health | None = None
     said = ''
-    while thread.is_alive() and node.context.ok():
+    while node.preparation.is_alive() and node.context.ok():
         executor.spin_once(timeout_sec=0.1)
         if time.monotonic() - started < SLOW:
             continue
@@ -137,7 +135,7 @@ def _what_takes_long() -> str:
 
 def _is_compiling() -> bool:
     """Return whether a preparation is running; the compiler cannot be interrupted."""
-    return any(thread.name == THREAD for thread in threading.enumerate())
+    return any(thread.name == PREPARATION for thread in threading.enumerate())
 
 
 def _work(node: ManagedNode) -> None:
@@ -230,7 +228,7 @@ def _build(node_class: type[ManagedNode]) -> ManagedNode:
         except BaseException as error:
             future.set_exception(error)
 
-    thread = threading.Thread(target=build, name=THREAD, daemon=True)
+    thread = threading.Thread(target=build, name=PREPARATION, daemon=True)
     thread.start()
     while thread.is_alive():
         thread.join(0.1)
