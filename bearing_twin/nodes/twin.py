@@ -88,7 +88,7 @@ class TwinNode(ManagedNode):
         self._twin.ask_checkpoint()
         self._cycle.start()
         self.get_logger().info(
-            f'twin of {p["bearing"]}, defect {p["defect"]}: '
+            f'twin of {p["bearing"]}, defect {p["defect"] or "none"}: '
             f'{p["sample_rate"]:g} Hz in blocks of {p["block_size"]}'
         )
 
