@@ -106,8 +106,8 @@ fleet with more than 64 parts spreads them over the second, 64 a message.
 
 At the first start, and after an update, twin and fleet compile their kernel, which takes about a
 minute of one core; `bearing-twin compile` does it beforehand. Meanwhile they are visible, answer
-services and stay *unconfigured*; the log and
-`/diagnostics` report it.
+services and stay *unconfigured*; the log and `/diagnostics` report it. A transition to *inactive*
+that is asked for meanwhile waits until it is done.
 """
 
 CODES = """\
