@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 import pty
+import select
 import signal
 import sys
 import threading
@@ -71,12 +72,20 @@ def test_a_closed_terminal_leaves_no_torn_recording(ros_domain: int, tmp_path: P
     words = ['-m', 'bearing_twin', 'run', 'recorder', '--ros-args', '-p', f'output:={bag}']
     pid, terminal = pty.fork()
     if not pid:
+        # Tests under nohup ignore it, and so would what they start.
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
         os.execv(sys.executable, [sys.executable, *words])
-    said = b''
-    while b'recording to' not in said:
-        said += os.read(terminal, 4096)
-    os.close(terminal)
-    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+    process, said = os.pidfd_open(pid), b''
+    try:
+        while b'recording to' not in said:
+            said += os.read(terminal, 4096)
+        os.close(terminal)
+        select.select([process], [], [], 120.0)
+    finally:
+        signal.pidfd_send_signal(process, signal.SIGKILL)
+        status = os.waitpid(pid, 0)[1]
+        os.close(process)
+    assert os.waitstatus_to_exitcode(status) == 0
     assert recording_info(bag).finished
 
 
