@@ -45,8 +45,9 @@ def test_report_shows_every_claim_equation_table_and_figure(folder, claims):
         assert f'| `{claim.id}` |' in text
     for number in range(1, 26):
         assert f'\n| {number} | ' in text
-    for name in re.findall(r'\]\((.*?\.png)\)', text):
-        assert (folder / name).exists()
+    shown = re.findall(r'\]\((.*?\.png)\)', text)
+    assert shown == [figure_name(number) for number in FIGURES]
+    assert all((folder / name).exists() for name in shown)
     widths = {line.count(' | ') for line in text.splitlines() if line.startswith('| `')}
     assert len(widths) == 1, 'no cell breaks the table'
 
