@@ -164,10 +164,10 @@ def channels(path: Path) -> list[str]:
     numeric = _numeric(arrays)
     names = []
     for name in _candidates(numeric):
-        shape = numeric[name].shape
+        array = numeric[name]
         # Each row of a table is a channel.
-        table = len(shape) == 2 and max(shape) < numeric[name].size
-        names += [f'{name}:{row}' for row in range(shape[0])] if table else [name]
+        table = array.ndim == 2 and not _is_line(array)
+        names += [f'{name}:{row}' for row in range(len(array))] if table else [name]
     return names
 
 
@@ -266,6 +266,11 @@ def _numeric(arrays: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
     }
 
 
+def _is_line(array: NDArray[Any]) -> bool:
+    """Return whether all values of an array lie along one axis."""
+    return bool(max(array.shape) == array.size)
+
+
 def _candidates(numeric: Mapping[str, NDArray[Any]]) -> list[str]:
     """Return the names of arrays that may be vibration."""
     others = ('t', 'time', 'time_s', 't_s', 'temp_t_s', *TEMPERATURES, *SPEEDS)
@@ -279,7 +284,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
     others: list[str] = []
     if not name:
         name, others = _likeliest(numeric)
-        if row and others and max(numeric[name].shape) == numeric[name].size:
+        if row and others and _is_line(numeric[name]):
             # The number is that of an array in the list of the channels: there is no table.
             names = _candidates(numeric)
             name, row, others = names[_index(row, len(names), f'{path}: channel')], '', []
@@ -293,7 +298,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         raise BearingTwinError(msg)
     x = numeric[name]
     where = f', {name}' + (f' (there is also {", ".join(others[:10])})' if others else '')
-    if x.ndim > 1 and max(x.shape) == x.size:
+    if x.ndim > 1 and _is_line(x):
         x = x.ravel()
     if x.ndim == 2:
         index = _row_index(x, path, name, row)
