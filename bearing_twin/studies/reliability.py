@@ -99,6 +99,7 @@ class RatedAnswer(NamedTuple):
 
 def rate_answer(case: Machine, said: Diagnosis) -> RatedAnswer | None:
     """Return an answer with its kind, and whether it is right; None if not rated."""
+    # An answer from the level alone has a result and no kind.
     if said.rule in UNRATED or not (said.kind or said.result == 'insufficient'):
         return None
     sound = case.condition == 'none'

@@ -72,7 +72,7 @@ def test_a_closed_terminal_leaves_no_torn_recording(ros_domain: int, tmp_path: P
     words = ['-m', 'bearing_twin', 'run', 'recorder', '--ros-args', '-p', f'output:={bag}']
     pid, terminal = pty.fork()
     if not pid:
-        # Tests under nohup ignore it, and so would what they start.
+        # Under nohup the tests ignore the signal, and so would the node.
         signal.signal(signal.SIGHUP, signal.SIG_DFL)
         os.execv(sys.executable, [sys.executable, *words])
     process, said = os.pidfd_open(pid), b''

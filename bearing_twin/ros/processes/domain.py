@@ -42,11 +42,12 @@ def initialise(args: Sequence[str] | None) -> None:
     Raises
     ------
     BearingTwinError
-        If the parameter file or ``ROS_DOMAIN_ID`` is invalid. Of a domain without ports Fast DDS
-        says no number, and ends the process; a negative one would be domain 0.
+        If the parameter file or ``ROS_DOMAIN_ID`` is invalid. For a number that is too large
+        Fast DDS would end the process without naming it, and a negative one would be taken for
+        the default domain.
 
     """
-    # Of what is no number rclpy says so.
+    # rclpy itself refuses a text that is no number.
     with suppress(ValueError):
         domain = int(os.environ.get('ROS_DOMAIN_ID', '0'))
         check_range('ROS_DOMAIN_ID', domain, 0, HIGHEST_DOMAIN, '')
