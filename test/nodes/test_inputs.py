@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The doors of the nodes: shaft speed, vibration blocks."""
 
-from itertools import islice
+from itertools import islice, product
 import math
 from pathlib import Path
 import re
@@ -280,9 +280,11 @@ def test_the_shipped_aggregator_file_names_every_status():
     tables = re.findall(r'(?m)^\| status .*\n\| ---.*\n((?:\|.*\n)+)', page)
     parts = {part for table in tables for part in re.findall(r'(?m)^\| `([^`]+)`', table)}
     assert len(parts) > 12
-    for part in parts:
-        name = f'plant/renamed: {part.replace("ASSET", "pump/left")}'
-        groups = [a['path'] for a in aggregator() if any(c in name for c in a['contains'])]
+    for part, asset in product(parts, ('pump/left', 'bearing_1')):
+        name = f'plant/renamed: {part.replace("ASSET", asset)}'
+        groups = [
+            a['path'] for a in aggregator() if any(re.fullmatch(r, name) for r in a['regex'])
+        ]
         assert len(groups) == 1, (name, groups)
 
 
