@@ -378,16 +378,6 @@ def test_output_that_ends_is_one_sentence(words, where, status, said):
     assert not said or lines[0].startswith(f'bearing-twin {said}')
 
 
-@pytest.mark.parametrize('seconds', ['0', '-1', 'nan', '5e-324'])
-def test_readings_have_a_time_between_them(seconds, tmp_path, capsys):
-    source, target = tmp_path / 'a.npz', tmp_path / 'run'
-    np.savez(source, temp_t_s=np.arange(10.0), temp_C=np.linspace(20.0, 30.0, 10))
-    words = ['schedule', '-o', str(target), '--from-npz', str(source), f'--every={seconds}']
-    assert main(words) == 1
-    assert f'every={float(seconds)} s: give 1e-06 s or more' in capsys.readouterr().err
-    assert not target.exists()
-
-
 @pytest.mark.parametrize('seconds', ['0', '-5', 'nan', '1e9'])
 def test_a_schedule_has_two_readings_at_least(seconds, tmp_path, capsys):
     target = tmp_path / 'run'

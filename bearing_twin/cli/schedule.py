@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin schedule``: write a temperature recording to replay."""
+"""``bearing-twin schedule``: write the temperature schedule of the paper as a recording."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.arguments import refuse_given, refuse_topic
-from bearing_twin.recording.schedule import load_trend, paper_schedule, write_temperature_recording
+from bearing_twin.cli.arguments import refuse_topic
+from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 
 if TYPE_CHECKING:
     import argparse
@@ -19,18 +19,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         '-o', '--output', type=Path, required=True, help='recording to make; never overwritten'
     )
     parser.add_argument(
-        '--from-npz',
-        type=Path,
-        metavar='FILE',
-        help='take a measured temperature (arrays temp_t_s, temp_C) instead of 20..110 degC',
-    )
-    parser.add_argument(
-        '--until', type=float, metavar='S', help='take the measured temperature up to this time'
-    )
-    parser.add_argument(
-        '--every', type=float, metavar='S', help='take one measured reading in this many seconds'
-    )
-    parser.add_argument(
         '--duration', type=float, default=40.0, help='time from 20 to 110 degC in s (default 40)'
     )
     parser.add_argument('--topic', default='/temperature', help='default /temperature')
@@ -39,14 +27,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the recording."""
     refuse_topic(args.topic)
-    if args.from_npz:
-        refuse_given(args, ('duration',), 'not with --from-npz, which has its own')
-        times, temperatures = load_trend(args.from_npz, until=args.until, every=args.every)
-        source = f'measured, {args.from_npz.name}'
-    else:
-        refuse_given(args, ('until', 'every'), 'only with --from-npz')
-        times, temperatures = paper_schedule(args.duration)
-        source = 'schedule of the paper: 20 to 110 degC in proportion to time'
+    times, temperatures = paper_schedule(args.duration)
+    source = 'schedule of the paper: 20 to 110 degC in proportion to time'
     write_temperature_recording(args.output, times, temperatures, source=source, topic=args.topic)
     print(
         f'{args.output}: {times.size} readings over {times[-1]:.1f} s, '

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Temperature recordings: the schedule of the paper, and measurements from real machines."""
+"""Temperature recordings, and the schedule of the paper."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.signals.npz import read_npz, temperature_readings
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO, split_ns
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-_SHORTEST = 1e-6
-"""Shortest time between two readings that can be asked for, s."""
 START = 1_577_836_800 * NANO
 """Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""
 
@@ -65,47 +62,6 @@ def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray
         raise BearingTwinError(msg)
     times = np.arange(round(duration * 10.0) + 1) / 10.0
     return times, 20.0 + 90.0 * times / times[-1]
-
-
-def load_trend(
-    path: Path, *, until: float | None, every: float | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """
-    Read a measured temperature from an ``.npz`` file with ``temp_t_s`` and ``temp_C``.
-
-    Return times (s from the start) and temperatures (degC) up to ``until`` (s), at most one
-    reading per ``every`` (s); with None all readings.
-
-    Raises
-    ------
-    BearingTwinError
-        If the file lacks these arrays, their lengths differ, the times do not rise, or fewer than
-        two readings remain.
-
-    """
-    arrays = read_npz(path, ('temp_t_s', 'temp_C'))
-    missing = {'temp_t_s', 'temp_C'} - arrays.keys()
-    if missing:
-        msg = f'{path} has no array {" and no ".join(sorted(missing))}; both are needed (s, degC)'
-        raise BearingTwinError(msg)
-    times, temperatures = temperature_readings(path, arrays)
-    if times.size < 2:
-        msg = f'{path}: temp_t_s has {times.size} values; at least two are needed'
-        raise BearingTwinError(msg)
-    if not np.all(np.isfinite(times)) or np.any(np.diff(times) < 0):
-        msg = f'{path}: temp_t_s does not rise'
-        raise BearingTwinError(msg)
-    times = times - times[0]
-    taken = np.ones(times.size, dtype=bool) if until is None else times <= until
-    if every is not None:
-        if not every >= _SHORTEST:
-            msg = f'every={every} s: give {_SHORTEST:g} s or more'
-            raise BearingTwinError(msg)
-        taken &= np.diff(np.floor(times / every), prepend=-1.0) > 0.0
-    if np.count_nonzero(taken) < 2:
-        msg = f'{path}: fewer than two readings with {until=} s and {every=} s; take more'
-        raise BearingTwinError(msg)
-    return times[taken], temperatures[taken]
 
 
 def write_temperature_recording(
