@@ -124,10 +124,10 @@ def _matrix(told: Sequence[RatedAnswer], names: Sequence[str]) -> NDArray[np.flo
     return np.array([[row.get(name, 0.0) for name in names] for row in rows])
 
 
-def fit(told: Sequence[RatedAnswer], kinds: Sequence[str] = KINDS) -> dict[str, dict[str, float]]:
+def fit(told: Sequence[RatedAnswer]) -> dict[str, dict[str, float]]:
     """Return the weights of the terms for each kind of answer, by logistic regression."""
     weights = {}
-    for kind in kinds:
+    for kind in KINDS:
         rows = [t for t in told if t.kind == kind]
         if len(rows) < FEWEST:
             msg = f'{len(rows)} answers {kind!r} are fewer than {FEWEST}; draw more machines'
@@ -170,18 +170,10 @@ def _logistic(
         unlikely = np.logaddexp(0.0, np.where(right, -total, total))
         return float(unlikely.mean() + _SHRINK / len(rows) * (values[shrunk] ** 2).sum())
 
-    found = optimize.minimize(loss, np.zeros(len(names)), bounds=_bounds(names)).x
+    ends = {-1: (None, 0.0), 0: (None, None), 1: (0.0, None)}
+    bounds = [ends[GROWS.get(name, 0)] for name in names]
+    found = optimize.minimize(loss, np.zeros(len(names)), bounds=bounds).x
     return {name: round(float(value), 4) for name, value in zip(names, found, strict=True)}
-
-
-def _bounds(names: Sequence[str]) -> list[tuple[float | None, float | None]]:
-    """Return the bounds of the weights of terms: see `GROWS`."""
-    ends: dict[int, tuple[float | None, float | None]] = {
-        -1: (None, 0.0),
-        0: (None, None),
-        1: (0.0, None),
-    }
-    return [ends[GROWS.get(name, 0)] for name in names]
 
 
 def _read(
@@ -336,14 +328,7 @@ def _parser() -> argparse.ArgumentParser:
     """Return the parser of the arguments."""
     parser = arguments(sys.modules[__name__], writes=True, twins=400, impacts=3000)
     parser.add_argument('--fresh', type=int, nargs=2, default=(400, 8000))
-    fitted = parser.add_mutually_exclusive_group()
-    fitted.add_argument(
-        '--kinds',
-        nargs='+',
-        choices=KINDS,
-        help='kinds of answers that weights are fitted for; the others keep those in use',
-    )
-    fitted.add_argument(
+    parser.add_argument(
         '--rules',
         nargs='+',
         choices=[rule.name for rule in RULES],
@@ -366,7 +351,7 @@ def _fitted(args: argparse.Namespace) -> dict[str, dict[str, float]]:
     told = _answers(args.output, tasks(args.twins, args.impacts, FIRST), args.jobs)
     if args.rules:
         return fit_rules(told, args.rules, shipped_weights())
-    return shipped_weights() | fit(told, args.kinds or KINDS)
+    return fit(told)
 
 
 def _check(
@@ -395,8 +380,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Write the data files and print the check."""
     parser = _parser()
     args = parser.parse_args(argv)
-    if args.shipped and (args.kinds or args.rules):
-        parser.error('--shipped fits no weights: leave out --kinds and --rules')
+    if args.shipped and args.rules:
+        parser.error('--shipped fits no weights: leave out --rules')
     weights = _fitted(args)
     if args.weights:
         about = 'written by python -m bearing_twin.studies.reliability'
