@@ -78,7 +78,7 @@ class DiagnosisCore:
         self.diagnoser = build_diagnoser(values)
         # The state of a series, up to 1 MB, changes only once per cycle.
         period = max(values['checkpoint_period'], values['series_cycle'])
-        self._checkpoints = Checkpoints('diagnosis', node, period)
+        self.checkpoints = Checkpoints('diagnosis', node, period)
         self._axis = values['axis']
         self.nominal_hz = nominal_speed(values)
         """Shaft speed by parameter, used if none is measured, Hz; NaN if it is not set."""
@@ -93,24 +93,16 @@ class DiagnosisCore:
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Apply changed parameters; a new window begins, the baseline stays."""
-        self.ask_checkpoint()
+        self.checkpoints.ask()
         self.nominal_hz = nominal_speed(values)
         settings = build_settings(values)
         if bool(settings.series_cycle) != bool(self.diagnoser.settings.series_cycle):
             self.diagnoser = build_diagnoser(values)
         self.diagnoser.reconfigure(build_bearing(values), settings)
 
-    def ask_checkpoint(self) -> None:
-        """Request a checkpoint before the next block."""
-        self._checkpoints.ask()
-
-    def needs_checkpoint(self, block: VibrationBlock) -> bool:
-        """Return whether a checkpoint is due before a block."""
-        return self._checkpoints.is_due(block.first_sample)
-
     def checkpoint(self, block: VibrationBlock, configuration: str) -> Checkpoint:
         """Return the checkpoint before a block; ``configuration`` holds the parameters (YAML)."""
-        return self._checkpoints.make(
+        return self.checkpoints.make(
             block.first_sample,
             stamp=block.stamp,
             sample_rate=block.sample_rate,

@@ -44,7 +44,9 @@ def diagnosis_message(
     """Return the message of a verdict; ``stamp`` (ns) is the time of its first sample."""
     severity = result.severity
     window_result, window_level = result.window or (result.result, result.level)
-    strongest = result.faults[0] if result.faults else _highest(result.score)
+    scored = [place for place in PLACES if math.isfinite(result.score.get(place, math.nan))]
+    highest = max(scored, key=lambda place: result.score[place], default='')
+    strongest = result.faults[0] if result.faults else highest
     return Diagnosis(
         header=message_header(stamp, frame_id),
         first_sample=result.first_sample,
@@ -131,9 +133,3 @@ def features_messages(message: Diagnosis) -> dict[str, Float64MultiArray]:
         name: Float64MultiArray(data=array.array('d', [getattr(message, name)]))
         for name in FEATURES
     }
-
-
-def _highest(score: dict[str, float]) -> str:
-    """Return the place with the highest score; '' if no score is known."""
-    known = [place for place in PLACES if math.isfinite(score.get(place, math.nan))]
-    return max(known, key=lambda place: score[place], default='')

@@ -123,7 +123,7 @@ class Twin(TwinChannel):
         with parameters_of('twin'):
             super().__init__(values, settle=self._begin_at, clock=clock)
             self.simulator = build_simulator(values)
-            self._checkpoints = Checkpoints('twin', node, values['checkpoint_period'])
+            self.checkpoints = Checkpoints('twin', node, values['checkpoint_period'])
         self.sensor: Sensor | None = None
         """Sensor of the machine by the calibration in force; None without a calibration."""
         self._changing = False
@@ -155,7 +155,7 @@ class Twin(TwinChannel):
         """Apply changed parameters; the motion continues from its current state."""
         super().apply(values)
         self.simulator.reconfigure(self._parameters(self.fitted_model))
-        self.ask_checkpoint()
+        self.checkpoints.ask()
 
     def take(self, fitted: FittedModel | None) -> None:
         """
@@ -175,7 +175,7 @@ class Twin(TwinChannel):
         # This replaces an earlier request that has not begun yet.
         if differs or self._changing:
             self._changing, self._next = differs, fitted if differs else None
-            self.ask_checkpoint()
+            self.checkpoints.ask()
 
     def reset(self) -> None:
         """Return to the initial state, with the calibration in force."""
@@ -183,12 +183,12 @@ class Twin(TwinChannel):
         self.simulator.reset()
         if self.sensor is not None:
             self.sensor = Sensor(self.sensor.fitted_model)
-        self.ask_checkpoint()
+        self.checkpoints.ask()
 
     def _begin_at(self, temperature: float) -> None:
         """Begin in the steady state of the first measured temperature, degC."""
         self.simulator.settle(temperature)
-        self.ask_checkpoint()
+        self.checkpoints.ask()
 
     def save(self) -> bytes:
         """Return the state before the next block, with the calibration in force."""
@@ -235,21 +235,13 @@ class Twin(TwinChannel):
         self.simulator, self.sensor, self.settled = simulator, sensor, True
         self._changing, self._next = bool(changing), following
         self.values = dict(self.values)
-        self.ask_checkpoint()
-
-    def ask_checkpoint(self) -> None:
-        """Request a checkpoint before the next block."""
-        self._checkpoints.ask()
-
-    def needs_checkpoint(self, due: Due) -> bool:
-        """Return whether a checkpoint is due before the block ``due``."""
-        return self._checkpoints.is_due(due.first_sample)
+        self.checkpoints.ask()
 
     def checkpoint(self, due: Due, configuration: str) -> Checkpoint | None:
         """Return the checkpoint before the block ``due``; None if no checkpoint is due."""
-        if not self.needs_checkpoint(due):
+        if not self.checkpoints.is_due(due.first_sample):
             return None
-        return self._checkpoints.make(
+        return self.checkpoints.make(
             due.first_sample,
             stamp=due.stamp,
             sample_rate=self.values['sample_rate'],

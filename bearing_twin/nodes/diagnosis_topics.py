@@ -156,8 +156,8 @@ class DiagnosisTopics:
             return False
         intake.blocks, intake.used, intake.problem = intake.blocks + 1, intake.arrived, ''
         if intake.gaps.count(block.first_sample, block.samples.size):
-            self._core.ask_checkpoint()
-        if self._core.needs_checkpoint(block):
+            self._core.checkpoints.ask()
+        if self._core.checkpoints.is_due(block.first_sample):
             # A saved state is complete only if no verdict waits.
             self.judge()
             self._load_state()
@@ -183,7 +183,7 @@ class DiagnosisTopics:
             self._publish_verdict(due.judge(due.excerpt.analyse()))
             if self.parameters['series_cycle']:
                 # Save now: the next block may come one cycle later.
-                self._core.ask_checkpoint()
+                self._core.checkpoints.ask()
                 self._keep()
 
     def _publish_verdict(self, verdict: Verdict) -> None:

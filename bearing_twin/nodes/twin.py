@@ -85,7 +85,7 @@ class TwinNode(ManagedNode):
         """Start the block cycle."""
         p = self.parameters
         self._topics.await_subscribers(p['wait_for_subscribers'])
-        self._twin.ask_checkpoint()
+        self._twin.checkpoints.ask()
         self._cycle.start()
         self.get_logger().info(
             f'twin of {p["bearing"]}, defect {p["defect"] or "none"}: '

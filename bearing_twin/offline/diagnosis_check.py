@@ -161,7 +161,7 @@ class DiagnosisCheck:
         if self._run is not None and self._run.values != values:
             self._run.reconfigure(values)
             self._note(f'parameters were changed {at}')
-        if self._run is not None and self._run.state == state:
+        if self._run is not None and self._run.diagnoser.save() == state:
             self._uncertain = False
             return
         if (
@@ -169,7 +169,7 @@ class DiagnosisCheck:
             and self._uncertain
             and self._next_sample == int(checkpoint.first_sample)
         ):
-            self._run.load(state)
+            self._run.diagnoser.load(state)
             self._uncertain = False
             return
         sample = int(checkpoint.first_sample)
@@ -204,7 +204,7 @@ class DiagnosisCheck:
                 run.take(
                     read_vibration(block, values['axis']), temperature=math.nan, joint_hz=speed
                 )
-        run.load(state)
+        run.diagnoser.load(state)
         return run
 
     def _speed(self, run: DiagnosisRun) -> float:

@@ -24,48 +24,33 @@ if TYPE_CHECKING:
     from bearing_twin.streams.vibration_input import VibrationBlock
 
 
-class DiagnosisRun:
+class DiagnosisRun(DiagnosisCore):
     """Process vibration messages one after the other, as the diagnosis node does."""
 
     def __init__(self, values: Mapping[str, Any], state: bytes | None = None) -> None:
+        with parameters_of('diagnosis'):
+            super().__init__(values)
         self.values = dict(values)
         self.counts: Counter[str] = Counter()
         """Number of verdicts so far, by result."""
-        with parameters_of('diagnosis'):
-            self._core = DiagnosisCore(values)
-        self._text = yaml.safe_dump(self.values)
         if state is not None:
-            self._core.diagnoser.load(state)
-
-    @property
-    def state(self) -> bytes:
-        """State before the next block."""
-        return self._core.diagnoser.save()
+            self.diagnoser.load(state)
 
     def first_needed_sample(self, first_sample: int) -> int:
         """Return the index of the first sample needed for a window from ``first_sample`` on."""
-        diagnoser = self._core.diagnoser
-        if isinstance(diagnoser, StreamingDiagnoser):
-            return diagnoser.first_needed_sample(first_sample)
+        if isinstance(self.diagnoser, StreamingDiagnoser):
+            return self.diagnoser.first_needed_sample(first_sample)
         return first_sample
-
-    def load(self, state: bytes) -> None:
-        """Load a state; blocks taken right before stay in the window."""
-        self._core.diagnoser.load(state)
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Change parameters as the running node does; a new window begins."""
         self.values = dict(values)
-        self._text = yaml.safe_dump(self.values)
-        self._core.reconfigure(values)
+        super().reconfigure(values)
 
-    def needs_checkpoint(self, block: VibrationBlock) -> bool:
-        """Return whether a checkpoint is due before a block."""
-        return self._core.needs_checkpoint(block)
-
-    def checkpoint(self, block: VibrationBlock) -> Output:
-        """Return the checkpoint before a block."""
-        return output('/diagnosis_checkpoint', self._core.checkpoint(block, self._text))
+    def checkpoint_output(self, block: VibrationBlock) -> Output:
+        """Return the checkpoint before a block as the node publishes it."""
+        text = yaml.safe_dump(self.values)
+        return output('/diagnosis_checkpoint', self.checkpoint(block, text))
 
     def push(self, message: Any, **known: Any) -> Iterator[Output]:
         """Yield the node's messages for one vibration message; ``known`` as in :meth:`take`."""
@@ -81,8 +66,8 @@ class DiagnosisRun:
         ``temperature`` is in degC, ``joint_hz`` is the shaft speed from a joint in Hz; NaN if
         unknown.
         """
-        self._core.admit(block)
-        return self._core.take(block, temperature=temperature, joint_hz=joint_hz)
+        self.admit(block)
+        return super().take(block, temperature=temperature, joint_hz=joint_hz)
 
     def outputs(self, verdict: Verdict) -> Iterator[Output]:
         """Yield the messages that the node publishes for a verdict."""

@@ -163,7 +163,7 @@ def run_offline(
             if progress is not None and isinstance(item, _Block) and item.now - reported > NANO:
                 reported = item.now
                 progress((reported - start) / max(1, info.end - start))
-        diagnosis_side.finish()
+        diagnosis_side.settle(0)
         if progress is not None and not report.stopped:
             progress(1.0)
     report.covered = report.blocks * twin_values['block_size'] / twin_values['sample_rate']
@@ -230,17 +230,13 @@ class _TwinSide:
         self._latest = time
 
     def _take(self, message: RecordedMessage) -> None:
-        with known_fields(message.topic, message.type_name):
-            self._offer(message)
-
-    def _offer(self, message: RecordedMessage) -> None:
-        decoded = message.decode()
         self._now = message.log_time / NANO
-        if message.type_name == TEMPERATURE:
-            self._twin.take_temperature(decoded)
-            self._temperature = self._twin.temperature.taken
-        else:
-            self._twin.take_joints(decoded)
+        with known_fields(message.topic, message.type_name):
+            if message.type_name == TEMPERATURE:
+                self._twin.take_temperature(message.decode())
+                self._temperature = self._twin.temperature.taken
+            else:
+                self._twin.take_joints(message.decode())
 
     def _blocks_until(self, time: int) -> Iterator[RecordedMessage | _Block]:
         """Queue every block that ends by ``time`` (ns); yield the blocks that get computed."""
@@ -251,7 +247,7 @@ class _TwinSide:
             if now > time:
                 return
             due = Due(self._next_sample, self._start + samples_ns(self._next_sample, rate), 0.0)
-            if self._twin.needs_checkpoint(due) or len(self._waiting) >= BATCH:
+            if self._twin.checkpoints.is_due(due.first_sample) or len(self._waiting) >= BATCH:
                 yield from self._made()
             self._now = now / NANO
             checkpoint = self._twin.checkpoint(due, self._text)
@@ -318,13 +314,9 @@ class _DiagnosisSide:
             self._work(item)
         else:
             self._waiting.append((item, item.log_time))
-        self._settle(self._most)
+        self.settle(self._most)
 
-    def finish(self) -> None:
-        """Wait for all analyses and write all waiting messages."""
-        self._settle(0)
-
-    def _settle(self, most: int) -> None:
+    def settle(self, most: int) -> None:
         """Write all messages that are ready; wait until at most ``most`` analyses are running."""
         while self._waiting:
             item, time = self._waiting[0]
@@ -338,17 +330,18 @@ class _DiagnosisSide:
             elif isinstance(item, Output):
                 self._write(item, time)
             else:
-                self._copy(item)
+                self._writer.copy(item)
+                self._report.inputs += 1
             self._waiting.popleft()
 
     def _work(self, block: _Block) -> None:
         self._waiting.extend((made, block.now) for made in self._outputs(block))
         made, due, values = block.made, block.due, self._twin
         vibration = vibration_block(made, due, values, self._axis)
-        if self._run.needs_checkpoint(vibration):
+        if self._run.checkpoints.is_due(vibration.first_sample):
             # The checkpoint needs the state after all earlier verdicts.
-            self._settle(0)
-            self._write(self._run.checkpoint(vibration), block.now)
+            self.settle(0)
+            self._write(self._run.checkpoint_output(vibration), block.now)
         for verdict in self._run.take(vibration, temperature=block.temperature):
             self._analyses += 1
             analysis = self._pool.submit(verdict.excerpt.analyse)
@@ -382,10 +375,6 @@ class _DiagnosisSide:
         self._passed |= condition.limits_passed
         seconds = due.first_sample / self._twin['sample_rate']
         return [f'at {seconds:.1f} s {sentence}' for sentence in new]
-
-    def _copy(self, message: RecordedMessage) -> None:
-        self._writer.copy(message)
-        self._report.inputs += 1
 
     def _write(self, made: Output, time: int) -> None:
         self._writer.write(
