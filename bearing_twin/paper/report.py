@@ -16,7 +16,7 @@ from bearing_twin.paper.figures.drawings import FIGURES
 from bearing_twin.thermal import gcr15
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from bearing_twin.paper.claims.claim import Claim
 
@@ -39,14 +39,14 @@ def summary_line(claims: Sequence[Claim]) -> str:
 def claims_table(claims: Sequence[Claim], *, with_reason: bool = True) -> str:
     """Render the claims as a Markdown table."""
     head = ['id', 'where', 'claim', 'paper', 'ours', 'verdict', *(['why'] * with_reason)]
-    lines = [_row(head), _row(['---'] * len(head))]
+    rows = []
     for claim in claims:
         cells = [
             f'`{claim.id}`', claim.where, claim.claim, _value(claim.paper_value),
             _value(claim.our_value), claim.verdict.replace('_', ' '),
         ]  # fmt: skip
-        lines.append(_row(cells + [claim.why] * with_reason))
-    return '\n'.join(lines)
+        rows.append(cells + [claim.why] * with_reason)
+    return _table(head, rows)
 
 
 def render_report(claims: Sequence[Claim]) -> str:
@@ -97,28 +97,23 @@ def _settings_text() -> str:
 
 
 def _equations() -> str:
-    lines = [_row(['no.', 'quantity', 'reading, case', 'value']), _row(['---'] * 4)]
-    lines += [
-        _row([str(row.number), row.quantity, row.reading or 'as printed', row.value])
+    rows = (
+        [str(row.number), row.quantity, row.reading or 'as printed', row.value]
         for row in equation_table()
-    ]
-    return '\n'.join(lines)
+    )
+    return _table(['no.', 'quantity', 'reading, case', 'value'], rows)
 
 
 def _tables() -> str:
     head = ['T / °C', '1: α / 10⁻⁵ K⁻¹', '2: H / HRC', '3: µ', 'β expansion', 'β hardness']
     head += ['β friction', 'β0']
-    lines = [_row(head), _row(['---'] * len(head))]
     factors = [settings.factor_of(factor) for factor in settings.FACTORS]
-    for k, temperature in enumerate(settings.TEMPERATURE_NODES):
-        material = (gcr15.EXPANSION_TABLE[k], gcr15.HARDNESS_TABLE[k], gcr15.FRICTION_TABLE[k])
-        lines.append(
-            _row(
-                [f'{temperature:g}', *(f'{value:g}' for value in material)]
-                + [f'{factor.at(temperature):.5f}' for factor in factors]
-            )
-        )
-    return '\n'.join(lines)
+    tables = settings.TEMPERATURE_NODES, gcr15.EXPANSION_TABLE, gcr15.HARDNESS_TABLE
+    rows = (
+        [f'{value:g}' for value in row] + [f'{factor.at(row[0]):.5f}' for factor in factors]
+        for row in zip(*tables, gcr15.FRICTION_TABLE, strict=True)
+    )
+    return _table(head, rows)
 
 
 def _value(value: Any) -> str:
@@ -135,5 +130,8 @@ def _value(value: Any) -> str:
     return str(value)
 
 
-def _row(cells: Sequence[str]) -> str:
-    return '| ' + ' | '.join(cell.replace('|', '\\|') for cell in cells) + ' |'
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    return '\n'.join(
+        '| ' + ' | '.join(cell.replace('|', '\\|') for cell in cells) + ' |'
+        for cells in (head, ['---'] * len(head), *rows)
+    )

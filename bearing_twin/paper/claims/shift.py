@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from bearing_twin.paper.study import Study
+    import numpy.typing as npt
 
 
 SHIFT_TOLERANCE = 0.02
@@ -75,26 +76,20 @@ def _moves(study: Study) -> dict[str, list[float]]:
     }
 
 
-def _contact_mode(name: str, temperature: float) -> float:
+def _eigenvalues(name: str, temperature: float) -> npt.NDArray[np.complex128]:
     """
-    Return the frequency of the fastest mode, in which the rings move on the balls, Hz.
+    Return the eigenvalues of a preset linearised at rest, 1/s, shape (8,).
 
-    The preset is at rest. The friction term of beta0 at ``temperature`` scales its contacts.
+    The friction term of beta0 at ``temperature`` scales its contacts. The fastest mode is that in
+    which the rings move on the balls.
     """
     beta0 = equations.beta0('friction', temperature)
     matrix = system_matrix(preset(name, bearing=settings.BEARING), beta0)
-    return float(np.abs(np.linalg.eigvals(matrix)).max() / math.tau)
+    return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
 
 
 def _quoted_lines(study: Study) -> list[Claim]:
     lines = _lines(study)
-
-    def near(slip: str, temperature: float, quoted: float) -> bool:
-        return all(
-            abs(lines[preset, slip, temperature] - quoted) <= BIN
-            for preset in settings.PRESET_NAMES
-        )
-
     claims = []
     for figure, temperature in (('fig4', COLD), ('fig30', COLD), ('fig32', HOT)):
         quoted = settings.F_IN[figure]
@@ -114,7 +109,13 @@ def _quoted_lines(study: Study) -> list[Claim]:
                 ),
                 paper_value=quoted,
                 our_value=ours,
-                as_printed={SLIPS[slip]: near(slip, temperature, quoted) for slip in SLIPS},
+                as_printed={
+                    name: all(
+                        abs(lines[preset, slip, temperature] - quoted) <= BIN
+                        for preset in settings.PRESET_NAMES
+                    )
+                    for slip, name in SLIPS.items()
+                },
                 why=(
                     f'Rule: envelope line within one bin of the 0.7 s record, {BIN:.2f} Hz, in '
                     'both presets. Its digits would take a slip of '
@@ -150,7 +151,7 @@ def _rise(study: Study) -> Claim:
 def _friction(study: Study) -> Claim:
     moves = _moves(study)
     modes = {
-        name: [_contact_mode(name, t) for t in (COLD, settings.HOT)]
+        name: [float(np.abs(_eigenvalues(name, t)).max() / math.tau) for t in (COLD, settings.HOT)]
         for name in settings.PRESET_NAMES
     }
     return Claim(
@@ -185,11 +186,7 @@ def _friction(study: Study) -> Claim:
 def _response() -> Claim:
     rates, periods = {}, {}
     for name in settings.PRESET_NAMES:
-        p = preset(name, bearing=settings.BEARING)
-        values = [
-            np.linalg.eigvals(system_matrix(p, equations.beta0('friction', t)))
-            for t in (COLD, settings.HOT)
-        ]
+        values = [_eigenvalues(name, t) for t in (COLD, settings.HOT)]
         rates[name] = [float(np.abs(v.real).min()) for v in values]
         periods[name] = [1e3 * math.tau / float(np.abs(v).max()) for v in values]
     return Claim(

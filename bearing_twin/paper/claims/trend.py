@@ -17,8 +17,6 @@ from bearing_twin.paper.study import SMALL_DELTA_MU, STARTS, WINDOW_WIDTH
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.dynamics import TwinParameters
     from bearing_twin.paper.study import Study
 
@@ -163,10 +161,6 @@ def _at_peaks(study: Study, factor: settings.Factor) -> Claim:
     )
 
 
-def _is_friction(changes: Mapping[str, float]) -> bool:
-    return max(changes, key=lambda factor: abs(changes[factor])) == 'friction'
-
-
 def _strongest(study: Study) -> list[Claim]:
     single = settings.FACTORS[:3]
     weights = (SMALL_DELTA_MU, settings.DELTA_MU)
@@ -193,7 +187,10 @@ def _strongest(study: Study) -> list[Claim]:
             claim=f'{method}: friction is the most significant of the three factors',
             paper_value='friction',
             our_value={name: percents(changes) for name, changes in table.items()},
-            as_printed={name: _is_friction(c) for name, c in table.items()},
+            as_printed={
+                name: max(c, key=lambda factor: abs(c[factor])) == 'friction'
+                for name, c in table.items()
+            },
             why=(
                 'Rule: largest |change| from 20 to 110 degC. The paper gives no weight delta_mu; '
                 f'the friction term of beta0 is the largest above delta_mu = {level:.4f} (with '

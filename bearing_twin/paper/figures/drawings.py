@@ -30,9 +30,9 @@ class Drawing:
 def _registry() -> dict[str, Drawing]:
     drawings = {
         '4': Drawing('Signal and spectra without temperature', spectrum.signal),
-        '5': Drawing('Thermal expansion coefficient', material.expansion),
-        '12': Drawing('Hardness', material.hardness),
-        '19': Drawing('Friction coefficient', material.friction),
+        '5': Drawing('Thermal expansion coefficient', functools.partial(material.table, number=5)),
+        '12': Drawing('Hardness', functools.partial(material.table, number=12)),
+        '19': Drawing('Friction coefficient', functools.partial(material.table, number=19)),
         '30': Drawing(
             'Envelope spectrum at 20 degC',
             functools.partial(spectrum.spectrum, number=30, temperature=20.0),

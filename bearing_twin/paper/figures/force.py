@@ -71,27 +71,23 @@ def _component(
 
 def single_stiffness(_: Study, *, number: int, factor: settings.Factor) -> Figure:
     """Draw figure 6, 13 or 20: F_x with beta0 on K_b alone, cos(theta) = sin(theta)."""
-
-    def force(beta: FloatArray, ratio: float) -> FloatArray:
-        return _component(beta, 1.0, ratio)
-
-    return _draw('F_x, stiffness K_b alone', 'F_x / N', force, number, factor)
+    return _draw(
+        'F_x, stiffness K_b alone', 'F_x / N', lambda beta, ratio: _component(beta, 1.0, ratio),
+        number, factor,
+    )  # fmt: skip
 
 
 def single_damping(_: Study, *, number: int, factor: settings.Factor) -> Figure:
     """Draw figure 7, 14 or 21: F_x with beta0 on C_d alone, cos(theta) = sin(theta)."""
-
-    def force(beta: FloatArray, ratio: float) -> FloatArray:
-        return _component(1.0, beta, ratio)
-
-    return _draw("F_x, 'damping' C_d alone", 'F_x / N', force, number, factor)
+    return _draw(
+        "F_x, 'damping' C_d alone", 'F_x / N', lambda beta, ratio: _component(1.0, beta, ratio),
+        number, factor,
+    )  # fmt: skip
 
 
 def resultant(_: Study, *, number: int, factor: settings.Factor) -> Figure:
     """Draw figure 8, 15, 22 or 27: F = sqrt(F_x^2 + F_y^2), beta0 on both."""
-
-    def force(beta: FloatArray, ratio: float) -> FloatArray:
-        f_x = _component(beta, beta, ratio)
-        return np.hypot(f_x, f_x)
-
-    return _draw('Resultant force F', 'F / N', force, number, factor)
+    return _draw(
+        'Resultant force F', 'F / N',
+        lambda beta, ratio: math.sqrt(2.0) * _component(beta, beta, ratio), number, factor,
+    )  # fmt: skip

@@ -14,8 +14,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def _table(title: str, values: gcr15.FloatArray, text: str, colour: str) -> Figure:
-    figure = new_figure(title, width=7.0, height=4.2)
+TABLES = {
+    5: (
+        'Instantaneous thermal expansion coefficient (table 1)', gcr15.EXPANSION_TABLE,
+        'α / 10⁻⁵ K⁻¹ (printed: 10⁵ K⁻¹)', COLOURS[1],
+    ),
+    12: ('Hardness (table 2)', gcr15.HARDNESS_TABLE, 'hardness H / HRC', COLOURS[0]),
+    19: (
+        'Average friction coefficient (table 3)', gcr15.FRICTION_TABLE,
+        'friction coefficient µ / 1', COLOURS[2],
+    ),
+}  # fmt: skip
+"""Title, values, axis label and colour by the number of the figure."""
+
+
+def table(_: Study, *, number: int) -> Figure:
+    """Draw figure 5, 12 or 19."""
+    title, values, text, colour = TABLES[number]
+    figure = new_figure(f'Figure {number}. {title}', width=7.0, height=4.2)
     axes = figure.add_subplot()
     axes.plot(gcr15.TEMPERATURES, values, 'o-', color=colour, linewidth=1.8, markersize=6)
     span = values.max() - values.min()
@@ -28,30 +44,3 @@ def _table(title: str, values: gcr15.FloatArray, text: str, colour: str) -> Figu
     axes.set_xticks(gcr15.TEMPERATURES)
     label(axes, '', TEMPERATURE_LABEL, text)
     return figure
-
-
-def expansion(_: Study) -> Figure:
-    """Draw figure 5."""
-    return _table(
-        'Figure 5. Instantaneous thermal expansion coefficient (table 1)',
-        gcr15.EXPANSION_TABLE,
-        'α / 10⁻⁵ K⁻¹ (printed: 10⁵ K⁻¹)',
-        COLOURS[1],
-    )
-
-
-def hardness(_: Study) -> Figure:
-    """Draw figure 12."""
-    return _table(
-        'Figure 12. Hardness (table 2)', gcr15.HARDNESS_TABLE, 'hardness H / HRC', COLOURS[0]
-    )
-
-
-def friction(_: Study) -> Figure:
-    """Draw figure 19."""
-    return _table(
-        'Figure 19. Average friction coefficient (table 3)',
-        gcr15.FRICTION_TABLE,
-        'friction coefficient µ / 1',
-        COLOURS[2],
-    )

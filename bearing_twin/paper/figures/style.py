@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
-from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -42,11 +41,6 @@ def label(axes: Axes, title: str, x: str, y: str) -> None:
     axes.set_axisbelow(True)
     for side in ('top', 'right'):
         axes.spines[side].set_visible(False)
-
-
-def temperature_colour(fraction: float) -> Any:
-    """Colour from cold (0) to hot (1)."""
-    return colormaps['plasma'](0.02 + 0.86 * fraction)
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -7,13 +7,8 @@ from __future__ import annotations
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.paper import settings
-from bearing_twin.paper.figures.style import (
-    COLOURS,
-    label,
-    new_figure,
-    temperature_colour,
-    TEMPERATURE_LABEL,
-)
+from bearing_twin.paper.figures.style import COLOURS, label, new_figure, TEMPERATURE_LABEL
+from matplotlib import colormaps
 import numpy as np
 
 if TYPE_CHECKING:
@@ -66,7 +61,7 @@ def _signals(
         fraction = (temperature - nodes[0]) / (nodes[-1] - nodes[0])
         axes.plot(
             time, np.full(len(time), temperature), values,
-            color=temperature_colour(fraction), linewidth=0.35,
+            color=colormaps['plasma'](0.02 + 0.86 * fraction), linewidth=0.35,
         )  # fmt: skip
         top = max(top, float(np.abs(values).max()))
     for k, instant in enumerate(settings.PEAK_TIMES):
