@@ -42,8 +42,7 @@ def measure() -> dict[str, float]:
     """
     Measure all stages on one second at 25.6 kHz, and a stream with a full window, on one core.
 
-    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
-    Those of a kurtogram need PySDKit.
+    The figures of a kurtogram need PySDKit.
 
     """
     x = fault_signal()

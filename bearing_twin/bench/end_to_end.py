@@ -39,8 +39,6 @@ def live_run(
     """
     Run twin, diagnosis and recorder (MCAP and Rerun, served and saved) for one bearing.
 
-    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
-
     Parameters
     ----------
     seconds

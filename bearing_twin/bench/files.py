@@ -32,8 +32,7 @@ def measure() -> dict[str, float]:
     """
     Diagnose the same files in one process and with two workers; measure the workers' growth.
 
-    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
-    There are none without Dask.
+    There are no figures without Dask.
 
     """
     try:

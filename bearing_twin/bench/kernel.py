@@ -49,12 +49,7 @@ _HARDER = (('inner', 50.0, 500.0), ('outer', 100.0, 500.0), ('inner', 25.4, 5000
 
 
 def measure() -> dict[str, float]:
-    """
-    Measure speed and error of the kernels; takes about 30 s.
-
-    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
-
-    """
+    """Measure speed and error of the kernels; takes about 30 s."""
     warm_up(fleet=True)
     simulator = Simulator(preset('incipient'))
 

@@ -138,8 +138,6 @@ def measure(say: Callable[[str], None] = lambda _: None) -> dict[str, float]:
     """
     Run fleets until half of what a core can run has run without late or missing blocks.
 
-    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
-
     Parameters
     ----------
     say

@@ -43,7 +43,6 @@ def measure() -> dict[str, float]:
 
     The fastest of three runs counts, after one that loads and compiles. This is done with the
     default twin, and with the twin of `kernel_rtf`, whose equations are about twice as fast.
-    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     default, kernel = _run('paper'), _run('incipient')

@@ -29,7 +29,6 @@ def measure() -> dict[str, float]:
     Draw a recording of twin and diagnosis at 25.6 kHz as the recorder does.
 
     Each load is the lower of two runs, after a first one that loads everything.
-    The figures are explained in :data:`bearing_twin.bench.figures.FIGURES`.
 
     """
     with tempfile.TemporaryDirectory() as name:
