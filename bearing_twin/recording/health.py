@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.catalogue import known_fields
-from bearing_twin.recording.reader import ReadCallbacks, recording_info
+from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.topics import VIBRATION
 from bearing_twin.stamps import NANO, stamp_ns
 
@@ -102,7 +102,7 @@ def examine(
         if see is not None:
             see(message)
 
-    info = recording_info(path, ReadCallbacks(look, health.damage.append))
+    info = recording_info(path, look, health.damage.append)
     return info, health
 
 

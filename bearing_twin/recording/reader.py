@@ -202,22 +202,17 @@ def _advised(path: Path, error: BrokenRecording) -> BrokenRecording:
     return type(error)(f'{path}: {error}; {advice}', error.offset, error.length)
 
 
-@dataclass(frozen=True)
-class ReadCallbacks:
-    """Callbacks for the messages and the damage of a recording while it is read."""
-
-    on_message: Callable[[RecordedMessage], object]
-    """Called with each message."""
-    on_damage: Callable[[str], object]
-    """Called with the name of the file and the error, for each damaged part."""
-
-
-def recording_info(path: Path, callbacks: ReadCallbacks | None = None) -> RecordingInfo:
+def recording_info(
+    path: Path,
+    on_message: Callable[[RecordedMessage], object] | None = None,
+    on_damage: Callable[[str], object] = str,
+) -> RecordingInfo:
     """
     Return the contents of a recording, from its summary if it has one.
 
     An unfinished file is read from front to back. In a bag folder, a file that is not an MCAP file
-    is listed among the problems. With ``callbacks`` every file is read completely.
+    is listed among the problems. With ``on_message``, which is called with each message, every
+    file is read completely; ``on_damage`` is called with file name and error of each damaged part.
 
     Raises
     ------
@@ -236,17 +231,20 @@ def recording_info(path: Path, callbacks: ReadCallbacks | None = None) -> Record
             info.files.remove(file_path)
             info.finished = False
             info.problems.append(str(error))
-            if callbacks is not None:
-                callbacks.on_damage(str(error))
+            on_damage(str(error))
             continue
         with file:
             info.metadata_size = 0
-            _look_into(file, file_path, info, callbacks)
+            _look_into(file, file_path, info, on_message, on_damage)
     return info
 
 
 def _look_into(
-    file: BinaryIO, path: Path, info: RecordingInfo, callbacks: ReadCallbacks | None
+    file: BinaryIO,
+    path: Path,
+    info: RecordingInfo,
+    on_message: Callable[[RecordedMessage], object] | None,
+    on_damage: Callable[[str], object],
 ) -> None:
     size = path.stat().st_size
     info.size += size
@@ -257,15 +255,14 @@ def _look_into(
         info.finished &= not isinstance(error, UnfinishedRecording)
         info.problems.append(f'{path.name}: {error}')
         told = False
-    if told and callbacks is None:
+    if told and on_message is None:
         return
-
-    def damaged(error: BrokenRecording) -> None:
-        if callbacks is not None:
-            callbacks.on_damage(f'{path.name}: {error}')
-
     messages = in_file_order(
-        file, size, Selection(), damaged, extra=None if told else _extras(file, info)
+        file,
+        size,
+        Selection(),
+        lambda error: on_damage(f'{path.name}: {error}'),
+        extra=None if told else _extras(file, info),
     )
     if not told:
         with contextlib.suppress(BrokenRecording):
@@ -273,8 +270,8 @@ def _look_into(
             _read_header(file, size, info)
         messages = _counted(messages, info)
     for message in messages:
-        if callbacks is not None:
-            callbacks.on_message(message)
+        if on_message is not None:
+            on_message(message)
         del message
 
 

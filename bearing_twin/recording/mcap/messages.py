@@ -154,7 +154,7 @@ def in_file_order(
     file: BinaryIO,
     size: int,
     keep: Selection,
-    damaged: Callable[[BrokenRecording], None] | None = None,
+    damaged: Callable[[BrokenRecording], object] | None = None,
     candidates: Callable[[], Iterable[RecordedChannel]] = tuple,
     extra: Callable[[RawRecord, bytes], None] | None = None,
 ) -> Iterator[RecordedMessage]:

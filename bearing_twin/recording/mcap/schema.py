@@ -61,7 +61,7 @@ def message_schema(type_name: str) -> MessageSchema:
     store = Typestore()
     _collect(type_name, texts, store)
     own = texts.pop(type_name)
-    parts = [own, *(f'MSG: {_short(name)}\n{text}' for name, text in texts.items())]
+    parts = [own, *(f'MSG: {name.replace("/msg/", "/")}\n{text}' for name, text in texts.items())]
     text = SEPARATOR.join(part if part.endswith('\n') else f'{part}\n' for part in parts)
     return MessageSchema(type_name, text, store.hash_rihs01(type_name))
 
@@ -150,11 +150,6 @@ def canonical_cdr(type_name: str, text: str, cdr: bytes) -> bytes:
         # rosbags raises exceptions of many types if the bytes are damaged.
         msg = f'a {type_name} is damaged ({type(error).__name__}: {error})'
         raise BearingTwinError(msg) from None
-
-
-def _short(type_name: str) -> str:
-    package, _, name = type_name.split('/')
-    return f'{package}/{name}'
 
 
 def _collect(type_name: str, texts: dict[str, str], store: Typestore) -> None:

@@ -12,7 +12,6 @@ import re
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 from typing import Any, TYPE_CHECKING
@@ -69,7 +68,7 @@ def live_url(text: str) -> str:
 
 def show(sources: Sequence[str]) -> int:
     """Open files or servers in a window; return the viewer's exit status when it is closed."""
-    if sys.platform == 'linux' and not {'DISPLAY', 'WAYLAND_DISPLAY'} & set(os.environ):
+    if not {'DISPLAY', 'WAYLAND_DISPLAY'} & set(os.environ):
         msg = 'there is no display; use --web for the browser or --screenshot for a picture'
         raise BearingTwinError(msg)
     return subprocess.call([_binary(), '--bind', LOOPBACK, '--port', '0', *sources])
@@ -293,9 +292,8 @@ class HeadlessViewer:
 
 def _binary() -> str:
     """Return the path of the viewer; the `rerun` script is a wrapper that outlives its child."""
-    folder = Path(rerun_cli.__file__).parent
-    for name in ('rerun', 'rerun.exe'):
-        if (folder / name).exists():
-            return str(folder / name)
-    msg = f'the Rerun viewer is not in {folder}; reinstall rerun-sdk'
-    raise BearingTwinError(msg)
+    binary = Path(rerun_cli.__file__).with_name('rerun')
+    if not binary.exists():
+        msg = f'the Rerun viewer is not in {binary.parent}; reinstall rerun-sdk'
+        raise BearingTwinError(msg)
+    return str(binary)
