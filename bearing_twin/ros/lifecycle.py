@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from bearing_twin.assets.parameters.spec import Spec
     from rclpy.lifecycle import LifecycleState
     from rclpy.service import Service
-    from rclpy.subscription import MessageInfo, Subscription
+    from rclpy.subscription import Subscription
 
 
 POLL_PERIOD = 0.1
@@ -78,7 +78,8 @@ class ManagedNode(LifecycleNode):
     ) -> Subscription[Any]:
         """Subscribe; messages for rclpy's own subscription to /clock are validated."""
         if msg_type is Clock and not kwargs.get('raw', False):
-            callback, kwargs['raw'] = validated(self, Clock, topic, _without_info(callback)), True
+            kwargs['raw'], given = True, callback
+            callback = validated(self, Clock, topic, lambda message, _: given(message))
         return super().create_subscription(msg_type, topic, callback, *args, **kwargs)
 
     def create_service(
@@ -271,10 +272,6 @@ async def answered(response: Any, action: Callable[[], str | Awaitable[str]]) ->
     except BearingTwinError as error:
         response.message = str(error)
     return response
-
-
-def _without_info(callback: Callable[[Any], None]) -> Callable[[Any, MessageInfo], None]:
-    return lambda message, _: callback(message)
 
 
 def refuses(error: Exception) -> bool:

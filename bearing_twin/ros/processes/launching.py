@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 from pathlib import Path
 import signal
@@ -57,11 +59,8 @@ def ensure_log_folder() -> None:
     base = os.environ.get('ROS_HOME') or (f'{home}/.ros' if home else '')
     if base:
         folder = Path(base).expanduser() / 'log'
-        try:
+        with contextlib.suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            pass
-        else:
             if os.access(folder, os.W_OK | os.X_OK):
                 return
     os.environ['ROS_LOG_DIR'] = tempfile.mkdtemp(prefix='ros_log_')
@@ -103,7 +102,8 @@ class NodeProcesses:
         words = [*within, sys.executable, '-c', COMMAND]
         words += ['run', module, '--ros-args']
         for key, value in parameters.items():
-            words += ['-p', f'{key}:={_yaml(value)}']
+            # JSON is YAML, and quotes every string.
+            words += ['-p', f'{key}:={json.dumps(value, ensure_ascii=False)}']
         name = name or module
         with (self._logs / f'{name}.log').open('wb') as log:
             self._processes[name] = self._begin([*words, *ros], log)
@@ -154,12 +154,3 @@ class NodeProcesses:
             except subprocess.TimeoutExpired:
                 process.kill()
         return process.wait()
-
-
-def _yaml(value: object) -> str:
-    """Return a value as YAML for --ros-args."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return "'" + value.replace("'", "''") + "'"
-    return repr(value)

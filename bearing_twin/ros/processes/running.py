@@ -87,7 +87,7 @@ def _end_with_parent() -> None:
     after the next launch each sensor would have two of each node.
     """
     parent = os.environ.get(PARENT, '')
-    if sys.platform != 'linux' or parent != str(os.getppid()):
+    if parent != str(os.getppid()):
         return
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if parent != str(os.getppid()):
