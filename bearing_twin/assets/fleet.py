@@ -68,25 +68,21 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
     if not assets:
         msg = 'no assets: give a file (assets_file:=FILE) or names (names:="[bearing_1]")'
         raise BearingTwinError(msg)
-    for index, asset in enumerate(assets):
-        if asset.name in (other.name for other in assets[:index]):
-            msg = f"two assets have the name '{asset.name}'; give each its own"
+    states: dict[tuple[Any, Any], str] = {}
+    for name, count in Counter(asset.name for asset in assets).items():
+        if count > 1:
+            msg = f"two assets have the name '{name}'; give each its own"
             raise BearingTwinError(msg)
+    for asset in assets:
         if not NAME.fullmatch(asset.name):
             msg = f"asset '{asset.name}' is no ROS namespace: letters, digits, _, parts split by /"
             raise BearingTwinError(msg)
-        for other in assets[:index]:
-            if _state(asset) is not None and _state(asset) == _state(other):
-                msg = f'{other.name} and {asset.name} have one state_name; give each its own'
-                raise BearingTwinError(msg)
+        kept = asset.diagnosis or {}
+        state = kept.get('state_directory') or '', kept.get('state_name')
+        if state[1] and (other := states.setdefault(state, asset.name)) != asset.name:
+            msg = f'{other} and {asset.name} have one state_name; give each its own'
+            raise BearingTwinError(msg)
     return assets
-
-
-def _state(asset: Asset) -> tuple[Any, Any] | None:
-    """Return folder and name of the saved state of a diagnosis; None if none is saved."""
-    values = asset.diagnosis or {}
-    name = values.get('state_name')
-    return (values.get('state_directory') or '', name) if name else None
 
 
 class _EachOnce(yaml.SafeLoader):

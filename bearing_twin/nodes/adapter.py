@@ -222,7 +222,8 @@ class AdapterNode(ManagedNode):
         for block in blocks:
             self._sent += block.samples.shape[1]
             values = block.samples * np.float32(p['scale'])
-            x, y = (values[c] if c >= 0 else values[0, :0] for c in self._channels)
+            channels = p['channel_x'], p['channel_y']
+            x, y = (values[c] if c >= 0 else values[0, :0] for c in channels)
             self._vibration.publish(
                 Vibration(
                     header=message_header(block.stamp, self._frame),
@@ -235,10 +236,6 @@ class AdapterNode(ManagedNode):
                     y=floats(y),
                 )
             )
-
-    @property
-    def _channels(self) -> tuple[int, int]:
-        return self.parameters['channel_x'], self.parameters['channel_y']
 
     def _refuse(self, problem: str) -> None:
         self._problem = problem

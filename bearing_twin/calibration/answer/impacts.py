@@ -197,17 +197,14 @@ def ringing(seen: Impacts, others: Iterable[Impacts]) -> Refusal | None:
     """
     for other in others:
         apart = max(other.shaft_hz, seen.shaft_hz) / min(other.shaft_hz, seen.shaft_hz)
-        if other.place == seen.place and apart > OTHER_SPEED and _same(other, seen.spacing_s):
+        same_time = abs(other.spacing_s / seen.spacing_s - 1.0) < SAME_TIME
+        if other.place == seen.place and apart > OTHER_SPEED and same_time:
             return Refusal(
                 Kind.SAME_AT_ANOTHER_SPEED,
                 f'the impacts are {1e3 * other.spacing_s:.2f} ms apart at {other.shaft_hz:.1f} '
                 f'and at {seen.shaft_hz:.1f} Hz: ringing, which does not follow the speed',
             )
     return None
-
-
-def _same(other: Impacts, time: float) -> bool:
-    return abs(other.spacing_s / time - 1.0) < SAME_TIME
 
 
 def follows_speed(seen: Impacts, others: Iterable[Impacts]) -> tuple[Impacts, ...]:
