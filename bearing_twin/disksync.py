@@ -139,6 +139,5 @@ class Job(futures.Future[T]):
 
     def _outcome(self) -> T:
         if not self.done():
-            msg = f'{SILENT}; what was asked of it may still be done'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{SILENT}; what was asked of it may still be done')
         return self.result()

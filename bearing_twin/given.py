@@ -43,12 +43,10 @@ def real_numbers(name: str, values: Any) -> NDArray[np.float64]:
         msg = f'{name} has rows of different lengths or no numbers; give real numbers'
         raise BearingTwinError(msg) from None
     if np.ma.is_masked(values):
-        msg = f'{name} has masked values; fill them first, e.g. with NaN'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{name} has masked values; fill them first, e.g. with NaN')
     if found.dtype.kind not in 'fiu':
         example = ''.join(f', e.g. {value!r:.40}' for value in found.reshape(-1)[:1].tolist())
-        msg = f'{name} holds {found.dtype}{example}; give real numbers'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{name} holds {found.dtype}{example}; give real numbers')
     # Signalling NaN and the largest long doubles would warn.
     with np.errstate(invalid='ignore', over='ignore'):
         return found.astype(np.float64, copy=False)
@@ -77,8 +75,7 @@ def real_number(name: str, value: Any) -> float:
     except BearingTwinError:
         found = np.empty(0)
     if found.shape != ():
-        msg = f'{name}={value!r:.40} is not a real number; give one'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{name}={value!r:.40} is not a real number; give one')
     return float(found)
 
 
@@ -99,8 +96,7 @@ def check_kind(name: str, value: Any, kind: type, remedy: str) -> None:
 
     """
     if not isinstance(value, kind):
-        msg = f'{name}={value!r:.40} is not a {kind.__name__}; {remedy}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{name}={value!r:.40} is not a {kind.__name__}; {remedy}')
 
 
 def one_axis(values: Any, name: str = 'x') -> NDArray[np.float64]:
@@ -121,6 +117,5 @@ def one_axis(values: Any, name: str = 'x') -> NDArray[np.float64]:
     """
     found = real_numbers(name, values)
     if found.ndim != 1:
-        msg = f'{name} has shape {found.shape}; give one axis as a 1-D array'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{name} has shape {found.shape}; give one axis as a 1-D array')
     return found

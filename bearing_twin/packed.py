@@ -120,5 +120,4 @@ def restored(kind: Any, value: Any) -> Any:
         return float(value)
     if kind in (bool, int, float, str) and isinstance(value, kind):
         return value
-    msg = f'saved {value!r:.60} is no {kind}; use what save() returned'
-    raise BearingTwinError(msg)
+    raise BearingTwinError(f'saved {value!r:.60} is no {kind}; use what save() returned')

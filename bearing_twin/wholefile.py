@@ -68,8 +68,7 @@ def output_file(path: Path, *, folder: bool = False) -> Iterator[BinaryIO]:
 
     """
     if not path.name:
-        msg = f'{path} is a folder; name a file in it'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{path} is a folder; name a file in it')
     made = folder and not path.parent.exists()
     try:
         if folder:

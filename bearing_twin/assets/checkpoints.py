@@ -74,8 +74,7 @@ def configuration_values(checkpoint: Any) -> dict[str, Any]:
     """Return the parameters in the configuration of a checkpoint, by name."""
     values = load_plain(str(checkpoint.configuration), 'the configuration of a checkpoint')
     if not isinstance(values, dict):
-        msg = 'the configuration of a checkpoint is no table of parameters'
-        raise BearingTwinError(msg)
+        raise BearingTwinError('the configuration of a checkpoint is no table of parameters')
     return values
 
 
@@ -85,11 +84,10 @@ def parameters_of(node: str) -> Iterator[None]:
     try:
         yield
     except KeyError as error:
-        msg = (
+        raise BearingTwinError(
             f'the parameter {error} of the {node} is missing: a bearing_twin that did not have it '
             'yet made this; run it again with that version'
-        )
-        raise BearingTwinError(msg) from None
+        ) from None
     except TypeError as error:
         msg = f'parameters of the {node} are of another type or version ({error})'
         raise BearingTwinError(msg) from None

@@ -71,8 +71,7 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
     states: dict[tuple[Any, Any], str] = {}
     for name, count in Counter(asset.name for asset in assets).items():
         if count > 1:
-            msg = f"two assets have the name '{name}'; give each its own"
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f"two assets have the name '{name}'; give each its own")
     for asset in assets:
         if not NAME.fullmatch(asset.name):
             msg = f"asset '{asset.name}' is no ROS namespace: letters, digits, _, parts split by /"
@@ -101,12 +100,10 @@ def _table(path: str) -> dict[Any, Any]:
         refuse_special(Path(path))
         content = yaml.load(Path(path).read_text(encoding='utf-8'), _EachOnce)
     except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         # Other bytes than UTF-8 and a date that does not exist are a ValueError.
-        msg = f'{path} is no YAML: {error}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path} is no YAML: {error}') from None
     table = content.get('assets') if isinstance(content, dict) else None
     if not isinstance(table, dict):
         msg = f"{path} has no table 'assets' of names and their twin and diagnosis"
@@ -124,8 +121,7 @@ def _asset(path: str, name: Any, parts: Any) -> Asset:
     chosen: dict[str, dict[str, Any] | None] = dict.fromkeys(PARTS)
     for part, values in parts.items():
         if not isinstance(values or {}, dict):
-            msg = f"{path}: asset '{name}': {part} must be a table of parameters"
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f"{path}: asset '{name}': {part} must be a table of parameters")
         try:
             chosen[part] = _flat(values or {})
         except RecursionError:

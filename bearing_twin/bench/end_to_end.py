@@ -139,8 +139,7 @@ def _punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[
         elif message.topic == '/calibration':
             costs.append(float(message.decode().cost))
     if not lateness or not delivery:
-        msg = 'the recording of the live run holds no block'
-        raise BearingTwinError(msg)
+        raise BearingTwinError('the recording of the live run holds no block')
     late = np.array(lateness)
     dropped = drops[-1] - drops[0]
     return {

@@ -84,6 +84,5 @@ def _diagnose(arguments: list[str], workers: Sequence[Process]) -> tuple[float, 
                 sizes.append([worker.memory_info().rss / 1e6 for worker in workers])
     took = time.perf_counter() - began
     if process.returncode:
-        msg = f'diagnose ended with status {process.returncode}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'diagnose ended with status {process.returncode}')
     return took, max((after - before for before, after in zip(*sizes, strict=True)), default=0.0)

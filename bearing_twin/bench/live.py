@@ -86,11 +86,10 @@ class Search:
         elif self._runs or not self._late:
             self._late.append(run.bearings)
         else:
-            msg = (
+            raise BearingTwinError(
                 f'of {run.bearings} bearings {run.late} blocks were late and {run.missing} were '
                 'missing; leave more of the machine to it'
             )
-            raise BearingTwinError(msg)
 
     @property
     def following(self) -> int:

@@ -148,8 +148,7 @@ def fit(
                 f'the diagnosis says {said.result} and names no part: {said.reasons[-1]}',
             )
     elif place not in (*PLACES, 'none'):
-        msg = f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}"
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f"place={place!r}: choose 'none' or one of {', '.join(PLACES)}")
     if 0.0 <= slip <= MOST_SLIP:
         situation = replace(situation, slip=abs(slip))
     x, rate = decimated(x, sample_rate)

@@ -132,11 +132,10 @@ def common_width(found: list[Calibration]) -> tuple[list[Calibration], Estimate,
     bearings = {each.situation.bearing for each in found}
     if len(places) != 1 or len(bearings) != 1:
         names = ', '.join(sorted(bearing.name for bearing in bearings))
-        msg = (
+        raise BearingTwinError(
             f'the {len(found)} records are not of one defect (bearing {names}; part '
             f'{", ".join(places)}): say which part with --place, or fit them one by one'
         )
-        raise BearingTwinError(msg)
     seen = [each.impacts for each in found if each.impacts is not None]
     alone = [each.quantities[WIDTH].identifiable for each in found]
     found = [corrected_by_speeds(each, seen) for each in found]

@@ -107,11 +107,10 @@ def spectral_levels(
     """
     values = np.asarray(x, dtype=np.float64)
     if values.ndim != 1 or len(values) < LEAST_S * sample_rate or not np.isfinite(values).all():
-        msg = (
+        raise BearingTwinError(
             f'{values.shape} samples at {sample_rate:g} Hz: a residual needs {LEAST_S:g} s of '
             'finite samples of one axis'
         )
-        raise BearingTwinError(msg)
     hertz, power = scipy.signal.welch(
         values, sample_rate, 'hann', nperseg=round(LEAST_S * sample_rate), detrend='constant'
     )

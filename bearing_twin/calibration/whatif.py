@@ -182,11 +182,10 @@ def _situation(
         msg = f'a shaft speed of {hertz:g} Hz is outside {SLOWEST_HZ:g}..{FASTEST_HZ:g} Hz'
         raise BearingTwinError(msg)
     if temperature is not None and not TABLE_LOW <= temperature <= TABLE_HIGH:
-        msg = (
+        raise BearingTwinError(
             f'a temperature of {temperature:g} degC is outside {TABLE_LOW:g}..{TABLE_HIGH:g} '
             'degC, in which the steel of the twin is known'
         )
-        raise BearingTwinError(msg)
     celsius = given.temperature if temperature is None else temperature
     return replace(found.twin_situation, shaft_hz=hertz, temperature=celsius)
 

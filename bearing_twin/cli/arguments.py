@@ -27,8 +27,7 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
     given = [name for name in options if getattr(args, name) != default(name)]
     if given:
         names = ', '.join(f'--{name.replace("_", "-")}' for name in given)
-        msg = f'{names}: {why}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{names}: {why}')
 
 
 def refuse_unknown(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
@@ -88,6 +87,5 @@ def refuse_topic(name: str) -> None:
 def processes(asked: int | None, tasks: int) -> int:
     """Return the number of processes for some tasks: as asked for, else one per core."""
     if asked is not None and asked < 1:
-        msg = f'--jobs {asked}: at least one process is needed'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'--jobs {asked}: at least one process is needed')
     return max(1, min(asked or len(os.sched_getaffinity(0)), tasks))

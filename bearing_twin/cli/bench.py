@@ -66,8 +66,7 @@ def run(args: argparse.Namespace) -> int:
         raise BearingTwinError(msg)
     live = args.live or args.calibrate
     if live and not 5.0 <= args.seconds <= LONGEST:
-        msg = f'--seconds {args.seconds:g}: a live run takes 5 to {LONGEST:g} s'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'--seconds {args.seconds:g}: a live run takes 5 to {LONGEST:g} s')
     figures: dict[str, float] = {}
     failed = 0
     names = args.names or ([] if live else list(BENCHES))

@@ -33,11 +33,10 @@ def run(args: argparse.Namespace) -> int:
     """Compile what is not in the cache."""
     folder = cache_folder()
     if folder is None:
-        msg = (
+        raise BearingTwinError(
             'compiled code can be kept nowhere: set NUMBA_CACHE_DIR to a folder that you can '
             'write and the nodes can read'
         )
-        raise BearingTwinError(msg)
     others, began = ', '.join(other_processors()), time.perf_counter()
     if others and not args.json:
         print(f'the code in {folder} is for another processor ({others})', flush=True)

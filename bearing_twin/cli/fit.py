@@ -132,11 +132,10 @@ def _check_steady(name: str, record: Signal) -> None:
     """Raise if the speed in the file of a record varies too much."""
     if len(record.speeds) and np.ptp(record.speeds) > MOVED * record.shaft_hz:
         slowest, fastest = record.speeds.min(), record.speeds.max()
-        msg = (
+        raise BearingTwinError(
             f'{name}: the speed moves from {slowest:.3g} to {fastest:.3g} Hz, more than '
             f'{100.0 * MOVED:g} %: give a part at a steady speed'
         )
-        raise BearingTwinError(msg)
 
 
 def _print(name: str, source: str, found: Calibration, *, as_json: bool) -> None:

@@ -69,17 +69,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Play as soon as there is a subscriber; return 0 at the end of the file or of a loop."""
     if not (0.0 < args.speed <= 1000.0 and 1 <= args.block <= 65536):
-        msg = (
+        raise BearingTwinError(
             f'--speed {args.speed:g} --block {args.block}: give a speed above 0, up to 1000, and '
             'a block of 1 to 65536 samples'
         )
-        raise BearingTwinError(msg)
     if args.kind == 'float32_multi_array' and args.speed != 1.0:
-        msg = (
+        raise BearingTwinError(
             'a Float32MultiArray has no stamp, so that its sample rate is that of its arrival: '
             '--speed needs --as imu or --as vibration'
         )
-        raise BearingTwinError(msg)
     refuse_topic(args.topic or TOPICS[args.kind])
     signal = read_signal(args.file, channel=args.channel, sample_rate=args.rate)
     try:

@@ -90,8 +90,7 @@ def _offline(args: argparse.Namespace) -> int:
     from bearing_twin.offline.run import run_offline
 
     if args.output is None:
-        msg = 'an offline replay writes a new recording: name it with -o'
-        raise BearingTwinError(msg)
+        raise BearingTwinError('an offline replay writes a new recording: name it with -o')
     began = time.perf_counter()
     with _interrupts() as interrupted:
         report = run_offline(
@@ -145,13 +144,11 @@ def _parameters(words: list[str]) -> dict[str, Any]:
     for word in words:
         name, separator, text = word.partition('=')
         if not separator:
-            msg = f'{word!r} does not read NAME=VALUE'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{word!r} does not read NAME=VALUE')
         try:
             # YAML reads nothing as null; here it is an empty text.
             values[name] = yaml.safe_load(text) if text else ''
         except (yaml.YAMLError, ValueError, RecursionError) as error:
             # A date that does not exist is a ValueError, and deep nesting a RecursionError.
-            msg = f'{word[:80]!r} cannot be read: {error}'
-            raise BearingTwinError(msg) from None
+            raise BearingTwinError(f'{word[:80]!r} cannot be read: {error}') from None
     return values

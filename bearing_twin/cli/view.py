@@ -75,8 +75,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Show; return 0 once it is shown. Topics that cannot be drawn are named on stderr."""
     if bool(args.live) == bool(args.recordings):
-        msg = 'name a recording, or --live for what is running'
-        raise BearingTwinError(msg)
+        raise BearingTwinError('name a recording, or --live for what is running')
     if args.live and args.save:
         msg = '--save keeps recordings only; a recorder keeps what is live with -p rerun_file:=RRD'
         raise BearingTwinError(msg)
@@ -110,11 +109,10 @@ def _server(text: str) -> str:
     try:
         socket.create_connection((host, port), timeout=2.0).close()
     except OSError as error:
-        msg = (
+        raise BearingTwinError(
             f'no Rerun server at {host}:{port} ({error.strerror or error}); start a recorder with '
             f"'-p rerun_port:={port}', or name the address of one: --live ADDRESS:PORT"
-        )
-        raise BearingTwinError(msg) from None
+        ) from None
     return url
 
 
@@ -128,8 +126,7 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
         msg = f'{pictures[0]} is a picture; only MCAP recordings can be shown side by side'
         raise BearingTwinError(msg)
     if args.save and args.save.exists():
-        msg = f'{args.save} exists and is not overwritten; name another file'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{args.save} exists and is not overwritten; name another file')
     if pictures:
         if args.save:
             _copy(pictures[0], args.save)

@@ -86,18 +86,14 @@ def _fits(name: str) -> list[dict[str, object]]:
             raise ValueError(f'more than {MOST_TEXT} characters')
         rows = [json.loads(line) for line in text.splitlines() if line.strip()]
     except OSError as error:
-        msg = f'{name} cannot be read: {error.strerror}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{name} cannot be read: {error.strerror}') from None
     except (ValueError, RecursionError) as error:
-        msg = f'{name} holds no fit ({error}); {remedy}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{name} holds no fit ({error}); {remedy}') from None
     # The joint result of several records is not a machine to run.
     rows = [row for row in rows if not isinstance(row, dict) or 'files' not in row]
     if not rows or not all(isinstance(row, dict) for row in rows):
-        msg = f'{name} holds no fit; {remedy}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{name} holds no fit; {remedy}')
     for row in rows:
         if 'error' in row:
-            msg = f'{name} holds no fit, but an error: {row["error"]}'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{name} holds no fit, but an error: {row["error"]}')
     return rows

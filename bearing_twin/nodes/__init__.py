@@ -8,11 +8,10 @@ from bearing_twin import threads as threads
 from bearing_twin.errors import BearingTwinError
 
 if find_spec('bearing_twin_msgs') is None:
-    msg = (
+    raise BearingTwinError(
         "bearing_twin_msgs is not there: build it with 'colcon build --base-paths . msg_defs' in "
         "the folder of bearing_twin and source install/setup.bash, or 'pip install ./msg_defs'"
     )
-    raise BearingTwinError(msg)
 
 for _name in ('mcap', 'rosbags'):
     if find_spec(_name) is None:

@@ -312,8 +312,7 @@ def check_adapter(values: Mapping[str, Any]) -> None:
     count = 3 if values['source'] == IMU else values['channels']
     chosen = (values['channel_x'], values['channel_y'])
     if max(chosen) < 0:
-        msg = 'channel_x and channel_y are both -1: choose at least one'
-        raise BearingTwinError(msg)
+        raise BearingTwinError('channel_x and channel_y are both -1: choose at least one')
     if max(chosen) >= count:
         msg = f'channel {max(chosen)} does not exist: {values["source"]} has {count}, from 0 on'
         raise BearingTwinError(msg)

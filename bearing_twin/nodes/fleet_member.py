@@ -76,8 +76,7 @@ class Member:
                     given=asset.diagnosis,
                 )
         except BearingTwinError as error:
-            msg = f'asset {asset.name}: {error}'
-            raise BearingTwinError(msg) from None
+            raise BearingTwinError(f'asset {asset.name}: {error}') from None
 
     def release(self) -> None:
         """Release twin and diagnosis."""

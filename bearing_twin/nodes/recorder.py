@@ -233,8 +233,7 @@ class RecorderNode(ManagedNode):
 
     def _split(self) -> str:
         if isinstance(self._writer, SnapshotWriter):
-            msg = 'each snapshot has a file of its own'
-            raise BearingTwinError(msg)
+            raise BearingTwinError('each snapshot has a file of its own')
         self._writer.split()
         return ''
 

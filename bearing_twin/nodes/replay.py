@@ -99,8 +99,7 @@ class ReplayNode(ManagedNode):
     def _open(self) -> Player:
         p = self.parameters
         if not p['recording']:
-            msg = "parameter recording is empty; give it: '-p recording:=FILE'"
-            raise BearingTwinError(msg)
+            raise BearingTwinError("parameter recording is empty; give it: '-p recording:=FILE'")
         topics = [topic for topic in p['topics'] if topic]
         return Player(
             Path(p['recording']),
@@ -269,12 +268,10 @@ class ReplayNode(ManagedNode):
     def _step(self) -> str:
         with self._wake:
             if not self._player.paused:
-                msg = "not paused; call '~/pause' first"
-                raise BearingTwinError(msg)
+                raise BearingTwinError("not paused; call '~/pause' first")
             message = self._player.step()
             if message is None:
-                msg = 'at the end'
-                raise BearingTwinError(msg)
+                raise BearingTwinError('at the end')
             self._publish(message)
             self._publish_clock()
             self._wake.notify()

@@ -129,8 +129,7 @@ def run_offline(
     heard = [t for t in topics if info.topics[t].type_name == TEMPERATURE and info.topics[t].count]
     chosen = [t for t in heard if temperature in ('', t)]
     if not heard:
-        msg = f'{source} holds no {TEMPERATURE}; an offline run needs it'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{source} holds no {TEMPERATURE}; an offline run needs it')
     if len(chosen) != 1:
         msg = f'{source} has temperatures on {", ".join(heard)}: choose one (--temperature TOPIC)'
         raise BearingTwinError(msg)
@@ -150,8 +149,7 @@ def run_offline(
         messages = iter(read_messages(source, topics=topics, problems=report.problems))
         first = next(messages, None)
         if first is None:
-            msg = f'{source} holds none of the messages that its summary counts'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{source} holds none of the messages that its summary counts')
         reported = start = first.log_time
         twin_side = _TwinSide(twin_values, start)
         made = twin_side.run(chain([first], messages), info.end)
@@ -221,12 +219,11 @@ class _TwinSide:
 
     def _refuse_pause(self, time: int, what: str) -> None:
         if time - self._latest > LONGEST_PAUSE:
-            msg = (
+            raise BearingTwinError(
                 f'{what} is {(time - self._latest) / NANO:.0f} s after the input before it; '
                 f'an offline run goes over {LONGEST_PAUSE // NANO} s at most: was the clock set '
                 'while it was recorded? Run the parts one by one'
             )
-            raise BearingTwinError(msg)
         self._latest = time
 
     def _take(self, message: RecordedMessage) -> None:

@@ -44,14 +44,12 @@ def prepare_folder(folder: Path) -> None:
     """
     try:
         if folder.is_file():
-            msg = f'{folder} is a file; give a folder with --out'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{folder} is a file; give a folder with --out')
         if folder.exists() and any(folder.iterdir()) and not (folder / MARKER).exists():
-            msg = (
+            raise BearingTwinError(
                 f'{folder} is not empty and was not written by this command; give a new folder '
                 'with --out, or empty it'
             )
-            raise BearingTwinError(msg)
         folder.mkdir(parents=True, exist_ok=True)
         (folder / MARKER).write_text('Files here are rewritten by bearing-twin paper.\n', 'utf-8')
     except OSError as error:

@@ -66,8 +66,7 @@ def find_recording(path: Path) -> Path:
 
     """
     if not path.exists():
-        msg = f'{path} does not exist'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{path} does not exist')
     if path.is_file() or any(path.glob('*.mcap')):
         return path
     bags = sorted({found.parent for found in path.glob('*/*.mcap')})

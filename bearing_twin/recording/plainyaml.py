@@ -32,15 +32,13 @@ def load_plain(text: str, what: str) -> Any:
 
     """
     if len(text) > LONGEST:
-        msg = f'{what} has {len(text)} characters; at most {LONGEST} are read'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{what} has {len(text)} characters; at most {LONGEST} are read')
     try:
         _refuse_structure(text)
         return yaml.load(text, LOADER)
     except (yaml.YAMLError, ValueError, TypeError, RecursionError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        msg = f'{what} cannot be read as YAML: {reason}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{what} cannot be read as YAML: {reason}') from None
 
 
 def _refuse_structure(text: str) -> None:

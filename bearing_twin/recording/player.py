@@ -63,15 +63,13 @@ class Player:
         self.path = path
         self.info = recording_info(path)
         if not self.info.count:
-            msg = f'{path} holds no messages to play'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{path} holds no messages to play')
         unknown = set(topics or ()) - self.info.topics.keys()
         if unknown:
-            msg = (
+            raise BearingTwinError(
                 f'{path} has no topic {", ".join(sorted(unknown))}; it has '
                 f'{", ".join(sorted(self.info.topics))}'
             )
-            raise BearingTwinError(msg)
         self.loop = loop
         self.paused = paused
         self.loops = 0
@@ -83,11 +81,10 @@ class Player:
         """Log time at which playing starts, ns."""
         length = min(duration * NANO, self.info.end + 1 - self.start)
         if length <= 0:
-            msg = (
+            raise BearingTwinError(
                 f'start offset {start_offset:g} s is not inside the recording of '
                 f'{self.info.duration:g} s'
             )
-            raise BearingTwinError(msg)
         self.end = self.start + math.ceil(length)
         """Log time at which playing ends (excluded), ns."""
         self.rate = rate

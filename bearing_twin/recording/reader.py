@@ -110,8 +110,7 @@ def recording_files(path: Path) -> list[Path]:
         files = sorted(path.glob('*.mcap'), key=natural)
         is_folder, exists = path.is_dir(), path.exists()
     except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     if files:
         return files
     if is_folder or not exists:

@@ -114,8 +114,7 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     files = recording_files(source)
     for path in files:
         if _is_being_written(path):
-            msg = f'{path} is still being written; end its recorder first'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{path} is still being written; end its recorder first')
     report = RecoveryReport(source, target)
     sound = [path for path in files if _holds_something(path, report, only=len(files) == 1)]
     if not sound:

@@ -58,8 +58,7 @@ def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray
 
     """
     if not 0.1 <= duration <= 1e5:
-        msg = f'a schedule of {duration:g} s: give 0.1 to 100000 s'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'a schedule of {duration:g} s: give 0.1 to 100000 s')
     times = np.arange(round(duration * 10.0) + 1) / 10.0
     return times, 20.0 + 90.0 * times / times[-1]
 

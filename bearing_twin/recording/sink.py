@@ -95,8 +95,7 @@ class MessageSink(ABC):
         """
         schema = schema or message_schema(type_name)
         if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
-            msg = f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns')
         self.take(MessageToStore(topic, type_name, cdr, log_time, publish_time, qos, schema))
 
     def copy(self, message: RecordedMessage) -> None:

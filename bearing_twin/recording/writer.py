@@ -116,13 +116,11 @@ class RecordingWriter(MessageSink):
                 raise BearingTwinError(msg)
             (path if self.bag else path.parent).mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            msg = f'{path} cannot be made: {error.strerror}'
-            raise BearingTwinError(msg) from None
+            raise BearingTwinError(f'{path} cannot be made: {error.strerror}') from None
         self._file = self._open()
         problem = self._file.drain()
         if problem:
-            msg = f'the recording cannot be made: {problem}'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'the recording cannot be made: {problem}')
 
     @property
     def lost(self) -> int:
@@ -227,11 +225,10 @@ class RecordingWriter(MessageSink):
             for file in self._ending:
                 lost += file.count - file.given
                 file.abandon()
-            msg = (
+            raise BearingTwinError(
                 f'{self.path} could not be finished: {self.problem}; {lost} messages'
                 f" are lost, 'bearing-twin recover {self.path}' saves the rest"
             )
-            raise BearingTwinError(msg)
 
     def discard(self) -> None:
         """Close and remove all files of the recording, so that no incomplete result is left."""
@@ -306,11 +303,10 @@ class RecordingWriter(MessageSink):
     def _put(self, message: MessageToStore) -> None:
         numbered = self._file.knows(message)
         if not (numbered or self.bag):
-            msg = (
+            raise BearingTwinError(
                 f'{self.path} has as many topics as MCAP can number: no number is left for '
                 f'{message.topic!r:.60}; give a folder name, which goes on in a further file'
             )
-            raise BearingTwinError(msg)
         if not numbered or self._is_full(message.log_time):
             self.split()
         self._file.write(message)

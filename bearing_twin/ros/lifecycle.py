@@ -148,8 +148,7 @@ class ManagedNode(LifecycleNode):
                 # Interrupted while starting: this is not an error.
                 raise ExternalShutdownException
             if result != TransitionCallbackReturn.SUCCESS:
-                msg = 'the node could not start; see the error above'
-                raise BearingTwinError(msg)
+                raise BearingTwinError('the node could not start; see the error above')
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Set up the node; callback of rclpy."""

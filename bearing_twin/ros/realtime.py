@@ -64,11 +64,10 @@ def raise_priority(priority: int) -> str:
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except OSError as error:
-        msg = (
+        raise BearingTwinError(
             f'priority={priority} refused ({error.strerror}): allow it with '
             "'@realtime - rtprio 98' in /etc/security/limits.conf, or set priority to 0"
-        )
-        raise BearingTwinError(msg) from None
+        ) from None
     return f'SCHED_FIFO {priority}'
 
 
@@ -77,11 +76,10 @@ def lock_memory() -> None:
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
         reason = os.strerror(ctypes.get_errno())
-        msg = (
+        raise BearingTwinError(
             f"lock_memory refused ({reason}): allow it with '@realtime - memlock unlimited' "
             'in /etc/security/limits.conf, or set lock_memory to false'
         )
-        raise BearingTwinError(msg)
 
 
 def status(

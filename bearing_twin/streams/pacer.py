@@ -83,8 +83,7 @@ class Pacer:
         self, *, block: int, rate: float, catch_up: int, late_after: float, behind: int = 0
     ) -> None:
         if block < 1 or rate <= 0.0 or catch_up < 1:
-            msg = f'{block=}, {rate=}, {catch_up=}: all three must be positive'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{block=}, {rate=}, {catch_up=}: all three must be positive')
         self.block = block
         self.rate = rate
         self.catch_up = catch_up

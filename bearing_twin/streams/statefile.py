@@ -338,11 +338,10 @@ class KeptState:
             return None
         if node in self._nodes:
             return state
-        msg = (
+        raise BearingTwinError(
             f'{self.path} was learnt by {node}, this is {self._nodes[0]}: choose another '
             f'state_name, or set state_owner to {node} if that is its former name'
         )
-        raise BearingTwinError(msg)
 
     def _write(self) -> None:
         state, self._newest = self._newest, None

@@ -85,8 +85,7 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
         msg = f'the block has {samples.size} samples; 1..{LONGEST_BLOCK} are taken'
         raise BearingTwinError(msg)
     if message.first_sample > HIGHEST_INDEX:
-        msg = f'first_sample={message.first_sample} is above {HIGHEST_INDEX}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'first_sample={message.first_sample} is above {HIGHEST_INDEX}')
     shaft = float(message.shaft_hz)
     return VibrationBlock(
         first_sample=int(message.first_sample),

@@ -145,8 +145,7 @@ def run_table(data: Path) -> Iterator[tuple[object, ...]]:
     folder = data / 'femto'
     files = [path for path in sorted(folder.glob('femto_*.npz')) if 'trend' not in path.stem]
     if not files:
-        msg = f'{folder} holds no femto_*.npz; name the folder that holds femto/'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{folder} holds no femto_*.npz; name the folder that holds femto/')
     for path in files:
         run = path.stem.removeprefix('femto_Bearing')
         trend = folder / f'{path.stem[:-1]}trend.npz'

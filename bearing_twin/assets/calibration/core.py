@@ -344,10 +344,9 @@ class CalibrationCore:
         """
         values, arrays = unpack(data, _VERSION)
         if values.get('geometry') != self._geometry:
-            msg = (
+            raise BearingTwinError(
                 f'the saved healthy twin is not of {self.bearing.name}; choose another state_name'
             )
-            raise BearingTwinError(msg)
         reference = values.get('reference')
         if reference is not None:
             FitResult.from_dict(reference)

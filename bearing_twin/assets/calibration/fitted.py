@@ -84,11 +84,10 @@ class FittedModel:
         geometry = tuple(getattr(own.bearing, name) for name in GEOMETRY)
         if not np.allclose(geometry, self.geometry, rtol=SAME, atol=SAME):
             numbers = ', '.join(f'{value:g}' for value in self.geometry)
-            msg = (
+            raise BearingTwinError(
                 f'the calibration is of another bearing than {own.bearing.name} (balls, sizes in '
                 f'm, angle in rad: {numbers}); fit with the bearing of this twin'
             )
-            raise BearingTwinError(msg)
         given: dict[str, Any] = dict(self.machine)
         # A fit assumes the load along the sensor axis: turn stationary defects accordingly.
         turned = DOWN - own.load_angle
@@ -112,11 +111,10 @@ class FittedModel:
         """Refuse a calibration that does not fit these parameters or this sample rate (Hz)."""
         steps(self.parameters(own), sample_rate)
         if abs(self.path.sample_rate / sample_rate - 1.0) > SAME:
-            msg = (
+            raise BearingTwinError(
                 f'the calibration is of a sensor at {self.path.sample_rate:g} Hz, this twin runs '
                 f'at {sample_rate:g} Hz; start it with sample_rate:={self.path.sample_rate!r}'
             )
-            raise BearingTwinError(msg)
         if len(self.levels) != window_length(sample_rate) // 2 + 1:
             msg = f'the calibration has {len(self.levels)} levels of the machine; fit again'
             raise BearingTwinError(msg)
@@ -141,11 +139,9 @@ def read_fitted_model(text: str) -> FittedModel:
         levels = np.array(spectrum['machine_db'], dtype=np.float64)
         rms, unit = float(spectrum['machine_rms']), str(machine['unit'])
         if levels.ndim != 1 or not (np.isfinite(levels).all() and 0.0 < rms < math.inf):
-            msg = 'levels of the machine are not numbers'
-            raise ValueError(msg)
+            raise ValueError('levels of the machine are not numbers')
         if sorted(twin) != sorted(('defects', *FITTED)):
-            msg = f'it gives {", ".join(twin)} of a twin'
-            raise ValueError(msg)
+            raise ValueError(f'it gives {", ".join(twin)} of a twin')
         # Both texts are published: refuse text that cannot be encoded as UTF-8.
         (kept['statement'] + unit).encode()
         fitted = FittedModel(
@@ -223,7 +219,6 @@ class Sensor:
         """Restore the state of the filters from :meth:`save`."""
         values = np.frombuffer(data, dtype='<f8') if len(data) % 8 == 0 else np.zeros(0)
         if len(values) != 2 * len(self._axes[0].memory) or not np.isfinite(values).all():
-            msg = 'saved state of a sensor is invalid; start without it'
-            raise BearingTwinError(msg)
+            raise BearingTwinError('saved state of a sensor is invalid; start without it')
         for axis, memory in zip(self._axes, np.split(values, 2), strict=True):
             axis.memory[:] = memory

@@ -140,9 +140,8 @@ def load_range(bearing: Bearing, given: tuple[float, float] | None = None) -> tu
         return max(low, 10.0), min(max(high, 20.0), 50e3)
     low, high = given
     if not (10.0 <= low <= high <= 50e3):
-        msg = (
+        raise BearingTwinError(
             f'load from {low:g} to {high:g} N: give the least and the largest, in that order, '
             'from 10 to 50000 N'
         )
-        raise BearingTwinError(msg)
     return low, high

@@ -94,11 +94,10 @@ def identify(
     """
     order = max(8, round(REACH_S * sample_rate))
     if len(measured) < 4 * order:
-        msg = (
+        raise BearingTwinError(
             f'{len(measured)} samples are too few for a sensor path at {sample_rate:g} Hz; '
             f'give at least {4 * order}'
         )
-        raise BearingTwinError(msg)
     machine, machine_error = levinson(_power(measured), order)
     power = _power(twin)
     # The spectrum of white noise is flat: its variance.

@@ -150,11 +150,10 @@ def read_cases(folder: Path) -> list[Case]:
         RecursionError,
     ) as error:
         reason = getattr(error, 'strerror', None) or error
-        msg = (
+        raise BearingTwinError(
             f'{folder / "index.json"} cannot be used ({reason}); give a folder made by '
             'bearing-datasets, or with an index as bearing_twin.cli.benchmark.command describes it'
-        )
-        raise BearingTwinError(msg) from error
+        ) from error
 
 
 def _bearing(name: str, entry: dict[str, Any]) -> Bearing:

@@ -57,8 +57,7 @@ def run(args: argparse.Namespace) -> int:
     recording = args.recording or shipped_schedule()
     info = recording_info(recording)
     if not SLOWEST <= args.rate <= FASTEST:
-        msg = f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}')
     preset(PRESET, defect=args.defect)
     say = (lambda *_: None) if args.json else print
     with _choose_domain(args.domain_id) as domain:
@@ -143,8 +142,7 @@ def _run_nodes(
         deadline = time.monotonic() + info.duration / args.rate + START_TIMEOUT
         while nodes.running('replay'):
             if time.monotonic() > deadline:
-                msg = f'the replay did not end in time; see {folder / "logs"}'
-                raise BearingTwinError(msg)
+                raise BearingTwinError(f'the replay did not end in time; see {folder / "logs"}')
             watcher.show(1.0, quiet=args.json)
             nodes.check()
         # The twin ends first, so that the others get all that it has sent; the recorder last.

@@ -72,8 +72,7 @@ class Watcher:
         while not ready():
             check()
             if time.monotonic() > deadline:
-                msg = f'{what} within {timeout:.0f} s; see their logs'
-                raise BearingTwinError(msg)
+                raise BearingTwinError(f'{what} within {timeout:.0f} s; see their logs')
             self._executor.spin_once(timeout_sec=0.1)
 
     def show(self, seconds: float, *, quiet: bool) -> None:

@@ -74,13 +74,11 @@ def _on_dask(tasks: Sequence[Task], address: str) -> Iterator[dict[str, Any]]:
     try:
         from dask.distributed import Client
     except ImportError:
-        msg = "--dask needs Dask: pip install 'bearing_twin[dask]'"
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError("--dask needs Dask: pip install 'bearing_twin[dask]'") from None
     try:
         client = Client(address, timeout='10s')
     except (OSError, ValueError) as error:
-        msg = f'no Dask scheduler at {address}: {error}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'no Dask scheduler at {address}: {error}') from None
     with client:
         parts = batches(tasks, max(1, sum(client.nthreads().values())))
         # If a worker dies, the scheduler gives its files to another one.

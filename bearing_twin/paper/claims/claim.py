@@ -53,8 +53,7 @@ class Claim:
                 )
         if self.as_read is not None:
             if self.as_printed is None:
-                msg = f'{self.id}: a reading needs what is printed beside it'
-                raise ValueError(msg)
+                raise ValueError(f'{self.id}: a reading needs what is printed beside it')
             object.__setattr__(self, 'why', self.why + _outcome('As read ', self.as_read))
             if self.verdict == CONTRADICTED and all_settings(self.as_read) == REPRODUCED:
                 object.__setattr__(self, 'verdict', MISPRINT)

@@ -93,18 +93,16 @@ class RecordedMessage(NamedTuple):
         """
         channel = self.channel
         if channel.encoding != 'cdr' or channel.schema_encoding != 'ros2msg':
-            msg = (
+            raise BearingTwinError(
                 f'{channel.topic} holds {channel.encoding or "unknown"} messages with a '
                 f'{channel.schema_encoding or "missing"} schema; cdr with ros2msg is read'
             )
-            raise BearingTwinError(msg)
         store = store_from_text(channel.type_name, channel.schema)
         if conflict := type_conflict(channel.type_name, channel.schema):
-            msg = (
+            raise BearingTwinError(
                 f'{channel.topic} has another {channel.type_name} than this version knows: '
                 f'{conflict}'
             )
-            raise BearingTwinError(msg)
         try:
             return store.deserialize_cdr(self.cdr, channel.type_name)
         except Exception as error:

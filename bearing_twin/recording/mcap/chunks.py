@@ -121,8 +121,7 @@ class Chunks:
         if self._messages < 0:
             self.refuse(offset, 'it has more messages than its size allows')
         if at != len(data):
-            msg = f'the chunk at byte {offset} ends inside a record'
-            raise BrokenRecording(msg, offset)
+            raise BrokenRecording(f'the chunk at byte {offset} ends inside a record', offset)
 
     def work(self, offset: int, amount: int) -> None:
         """Subtract work besides messages from the limit."""
@@ -143,8 +142,7 @@ def _unpack(chunk: Chunk, offset: int, unpacker: zstandard.ZstdDecompressor) -> 
         if chunk.compression == 'zstd':
             # zstandard allocates the size stated in the frame, whatever max_output_size is.
             if zstandard.frame_content_size(chunk.data) > size:
-                msg = f'it states more than {size} bytes'
-                raise ValueError(msg)
+                raise ValueError(f'it states more than {size} bytes')
             data = unpacker.decompress(chunk.data, max_output_size=max(size, 1))
         elif chunk.compression == 'lz4':
             data = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size + 1)

@@ -115,8 +115,7 @@ def check_magic(file: BinaryIO) -> None:
         reason = 'does not begin with the MCAP magic bytes'
         if not head.strip(b'\0'):
             reason = 'begins with zeros: the disk never got its content' if head else 'is empty'
-        msg = f'it {reason}'
-        raise BrokenRecording(msg, 0)
+        raise BrokenRecording(f'it {reason}', 0)
 
 
 def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
@@ -130,14 +129,12 @@ def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
 
     """
     if length < 0 or offset > LAST_OFFSET:
-        msg = f'byte {offset} is behind the end of the file'
-        raise BrokenRecording(msg, offset)
+        raise BrokenRecording(f'byte {offset} is behind the end of the file', offset)
     try:
         file.seek(offset)
         return file.read(length)
     except OSError as error:
-        msg = f'byte {offset} cannot be read: {error.strerror}'
-        raise BrokenRecording(msg, offset) from None
+        raise BrokenRecording(f'byte {offset} cannot be read: {error.strerror}', offset) from None
 
 
 def record_at(file: BinaryIO, offset: int, stop: int) -> RawRecord:
@@ -154,12 +151,10 @@ def record_at(file: BinaryIO, offset: int, stop: int) -> RawRecord:
     """
     head = read_at(file, offset, min(RECORD_HEAD.size, stop - offset))
     if len(head) < RECORD_HEAD.size:
-        msg = f'the file ends at byte {stop} inside a record'
-        raise UnfinishedRecording(msg, offset)
+        raise UnfinishedRecording(f'the file ends at byte {stop} inside a record', offset)
     raw = RawRecord(offset, *RECORD_HEAD.unpack(head))
     if raw.opcode == 0:
-        msg = f'no record begins at byte {offset}'
-        raise BrokenRecording(msg, offset)
+        raise BrokenRecording(f'no record begins at byte {offset}', offset)
     if raw.end > stop:
         msg = f'the record at byte {offset} should have {raw.length} bytes: the file ends before'
         raise UnfinishedRecording(msg, offset)

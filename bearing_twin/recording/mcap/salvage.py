@@ -87,8 +87,7 @@ def open_mcap(path: Path) -> BinaryIO:
     try:
         file = path.open('rb')
     except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror}'
-        raise BrokenRecording(msg, 0) from None
+        raise BrokenRecording(f'{path} cannot be read: {error.strerror}', 0) from None
     try:
         check_magic(file)
     except BrokenRecording as error:
@@ -178,8 +177,7 @@ def _record(
             check_magic(file)
             offset = len(MAGIC)
         if offset == size:
-            msg = 'the recording was not finished: its end is missing'
-            raise UnfinishedRecording(msg, size)
+            raise UnfinishedRecording('the recording was not finished: its end is missing', size)
         raw = record_at(file, offset, size)
         if not (strict or search.consistent(raw)):
             msg = (

@@ -183,11 +183,10 @@ def _own_text(type_name: str) -> str:
             return path.read_text(encoding='utf-8')
     store = _standard_types()
     if type_name not in store.fielddefs:
-        msg = (
+        raise BearingTwinError(
             f'the definition of {type_name} is not installed: no share/{package}/{kind}/{name}.msg'
             ' under AMENT_PREFIX_PATH; source the workspace that has it'
         )
-        raise BearingTwinError(msg)
     text, _ = store.generate_msgdef(type_name, ros_version=2)
     return text.split(SEPARATOR)[0]
 
@@ -195,8 +194,7 @@ def _own_text(type_name: str) -> str:
 def _parts(type_name: str) -> tuple[str, str, str]:
     parts = type_name.split('/')
     if len(parts) != 3 or not all(part.isidentifier() for part in parts):
-        msg = f'{type_name!r} is no message type; it reads pkg/msg/Type'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{type_name!r} is no message type; it reads pkg/msg/Type')
     return parts[0], parts[1], parts[2]
 
 

@@ -56,8 +56,7 @@ def summary_place(file: BinaryIO, size: int) -> tuple[int, int]:
     end = size - FOOTER_LENGTH - len(MAGIC)
     tail = read_at(file, end, FOOTER_LENGTH + len(MAGIC)) if end >= len(MAGIC) else b''
     if not tail.endswith(MAGIC) or tail[:9] != RECORD_HEAD.pack(Opcode.FOOTER, 20):
-        msg = 'the recording was not finished: its end is missing'
-        raise UnfinishedRecording(msg, size)
+        raise UnfinishedRecording('the recording was not finished: its end is missing', size)
     start, _, crc = struct.unpack_from('<QQI', tail, 9)
     if start == 0:
         return end, end

@@ -64,8 +64,7 @@ def read_csv(path: Path) -> dict[str, Any]:
     head = text[:100_000].splitlines()[:HEAD]
     start, separator = _first_numbers(head)
     if start < 0:
-        msg = f'{path} has no line of numbers only among its first {HEAD} lines'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{path} has no line of numbers only among its first {HEAD} lines')
     if separator != ',':
         # With another separator, a comma is a decimal comma.
         text = text.replace(',', '.')
@@ -97,8 +96,7 @@ def _text(path: Path) -> str:
             encoding = 'utf-16' if file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE) else 'utf-8-sig'
         text = path.read_text(encoding=encoding, errors='replace')
     except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     # A comma in a quoted number is a decimal comma.
     text = QUOTED.sub(lambda field: field[1].replace(',', '.'), text)
     return AT_END.sub('', text) if AT_END.search(text[:100_000]) else text
@@ -209,11 +207,10 @@ def _table(path: Path, text: str, start: int, separator: str) -> Any:
     try:
         table = np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments='#')
     except (ValueError, MemoryError) as error:
-        msg = (
+        raise BearingTwinError(
             f'{path}: after line {start} not every line has the same columns of numbers '
             f'({str(error).partition(";")[0]})'
-        )
-        raise BearingTwinError(msg) from None
+        ) from None
     return table
 
 

@@ -69,10 +69,9 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
     needed = ('signal_id', 'fs', 'signal_file', 'signal_row_group', 'signal_row')
     missing = [name for name in needed if name not in names]
     if missing:
-        msg = (
+        raise BearingTwinError(
             f'{path / TABLE} has no column {", ".join(missing)}; was it made by bearing-datasets?'
         )
-        raise BearingTwinError(msg)
     # Times are not needed, and converting times in ns to Python objects would need pandas.
     plain = [
         name
@@ -96,8 +95,7 @@ def chosen_signals(path: Path, channel: str | None) -> list[DatasetSignal]:
     found = [row for row in signals if all(w in str(row['signal_id']).casefold() for w in words)]
     if not found:
         listed = ', '.join(str(row['signal_id']) for row in signals[:10]) or 'no vibration'
-        msg = f'{path} has no signal with {channel!r} in its id; it has {listed}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{path} has no signal with {channel!r} in its id; it has {listed}')
     return found
 
 
@@ -174,5 +172,4 @@ def _read(file: Path, action: Any) -> Any:
             return action(opened)
     except (pyarrow.ArrowException, OSError, IndexError, UnicodeDecodeError) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        msg = f'{file} cannot be read as Parquet ({reason})'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{file} cannot be read as Parquet ({reason})') from None

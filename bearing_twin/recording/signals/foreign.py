@@ -123,8 +123,7 @@ def read_signal(
     rate = said if sample_rate is None else sample_rate
     if math.isnan(rate):
         why = _text(found, 'no_rate') or 'it does not say its sample rate'
-        msg = f'{path}: {why}; give it in Hz (--sample-rate)'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{path}: {why}; give it in Hz (--sample-rate)')
     if not 1.0 <= rate <= 1e8:
         msg = f'{path}: sample rate {rate:g} is outside 1..1e8 Hz; give it in Hz (--sample-rate)'
         raise BearingTwinError(msg)
@@ -202,17 +201,14 @@ def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
     try:
         size = path.stat().st_size
     except FileNotFoundError:
-        msg = f'{path} does not exist'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path} does not exist') from None
     except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     if reader is None:
         msg = f'{path}: files ending in {", ".join(SIGNAL_FILES)} and .mcap are read'
         raise BearingTwinError(msg)
     if size == 0:
-        msg = f'{path} is empty'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{path} is empty')
     if size > LARGEST_FILE:
         msg = f'{path} has {size} bytes; at most {LARGEST_FILE}: cut it into pieces'
         raise BearingTwinError(msg)
@@ -290,12 +286,11 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
             name, row, others = names[_index(row, len(names), f'{path}: channel')], '', []
     if name not in numeric:
         held = ', '.join(list(numeric)[:10])
-        msg = (
+        raise BearingTwinError(
             f'{path} holds no array of numbers that could be a vibration: of {len(arrays)} '
             f'entries {len(numeric)} hold two numbers or more{held and f" ({held})"}; name the '
             'samples x, or choose an entry by --channel'
         )
-        raise BearingTwinError(msg)
     x = numeric[name]
     where = f', {name}' + (f' (there is also {", ".join(others[:10])})' if others else '')
     if x.ndim > 1 and _is_line(x):
@@ -343,19 +338,17 @@ def _likeliest(numeric: Mapping[str, NDArray[Any]]) -> tuple[str, list[str]]:
 def _row_index(x: NDArray[Any], path: Path, name: str, row: str) -> int:
     """Return the index of a row of a table; raise if none is named or there is no such row."""
     if not row:
-        msg = (
+        raise BearingTwinError(
             f'{path}: {name} has {x.shape[0]} rows of {x.shape[1]} samples; choose one of '
             f"0..{x.shape[0] - 1} as channel, e.g. '{name}:0', or judge snapshots of one "
             "machine with 'bearing-twin diagnose --series'"
         )
-        raise BearingTwinError(msg)
     return _index(row, x.shape[0], f'{path}: row')
 
 
 def _index(text: str, count: int, what: str) -> int:
     if not text.isdecimal() or len(text) > 9 or int(text) >= count:
-        msg = f"{what} '{text}' does not exist; there are 0..{count - 1}"
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f"{what} '{text}' does not exist; there are 0..{count - 1}")
     return int(text)
 
 

@@ -64,8 +64,7 @@ def read_mat(path: Path) -> dict[str, Any]:
         msg = f'{path} cannot be read as .mat ({type(error).__name__}: {reason})'
         raise BearingTwinError(msg) from None
     except BearingTwinError as error:
-        msg = f'{path}: {error}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path}: {error}') from None
     return found
 
 
@@ -85,15 +84,13 @@ def _variables(content: bytes) -> Iterator[tuple[str, Any]]:
     order = '<' if mark == b'IM' else '>'
     (version,) = struct.unpack_from(f'{order}H', content, 124)
     if version != 0x0100:
-        msg = "this is MATLAB 7.3 (HDF5), which is not read; save it with '-v7'"
-        raise BearingTwinError(msg)
+        raise BearingTwinError("this is MATLAB 7.3 (HDF5), which is not read; save it with '-v7'")
     room = MOST_UNPACKED
     for kind, data in _elements(memoryview(content)[HEADER:], order, padded=False):
         if kind == COMPRESSED:
             unpacked = zlib.decompressobj().decompress(data, room + 1)
             if len(unpacked) > room:
-                msg = f'it would unpack to more than {MOST_UNPACKED} bytes'
-                raise BearingTwinError(msg)
+                raise BearingTwinError(f'it would unpack to more than {MOST_UNPACKED} bytes')
             room -= len(unpacked)
             for inner, part in _elements(memoryview(unpacked), order, padded=True):
                 if inner == MATRIX:
@@ -124,8 +121,7 @@ def _elements(data: memoryview, order: str, *, padded: bool) -> Iterator[tuple[i
 def _matrix(data: memoryview, order: str, name: str, depth: int) -> Iterator[tuple[str, Any]]:
     """Yield name and value of one array, or of the fields of a struct."""
     if depth > DEEPEST:
-        msg = f'it nests more than {DEEPEST} levels of structs'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'it nests more than {DEEPEST} levels of structs')
     elements = _elements(data, order, padded=True)
     head = [part for _, part in islice(elements, 3)]
     if len(head) < 3 or len(head[0]) < 4:
@@ -157,8 +153,7 @@ def _struct(
     (length,) = struct.unpack_from(f'{order}i', layout[0])
     names = bytes(layout[1])
     if not 1 <= length <= 256 or len(names) // length > MOST_FIELDS:
-        msg = f'a struct has field names of {length} bytes, {len(names)} in all'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'a struct has field names of {length} bytes, {len(names)} in all')
     for at in range(0, len(names) - length + 1, length):
         name = names[at : at + length].split(b'\0')[0].decode('latin-1')
         kind, part = next(elements, (0, memoryview(b'')))
@@ -180,8 +175,7 @@ def _version_4(content: bytes) -> Iterator[tuple[str, Any]]:
         code, rows, columns, imaginary, length = struct.unpack_from(f'{order}5i', content, at)
         kind = VERSION_4[code // 10 % 10] if code // 10 % 10 < len(VERSION_4) else ''
         if not (0 <= code < 5000 and kind and rows >= 0 and columns >= 0 and 1 <= length <= 256):
-            msg = 'it begins neither as version 4 nor as version 5'
-            raise BearingTwinError(msg)
+            raise BearingTwinError('it begins neither as version 4 nor as version 5')
         name = content[at + 20 : at + 20 + length].split(b'\0')[0].decode('latin-1')
         at += 20 + length
         size = rows * columns * np.dtype(kind).itemsize

@@ -117,8 +117,7 @@ class _Blocks:
         """Return the longest run."""
         self.gap()
         if not self._sizes[0]:
-            msg = f'{self._path} holds no samples on this channel'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{self._path} holds no samples on this channel')
         return np.concatenate(self._runs[0])
 
 
@@ -145,11 +144,9 @@ def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tup
     if not topic and len(fitting) == 1:
         return fitting[0], axis
     if not fitting:
-        msg = f'{path} has no topic that could be a vibration'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{path} has no topic that could be a vibration')
     asked = f' ({channel!r} was asked for)' if channel else ''
-    msg = f'{path}: name the vibration topic{asked}; it has {", ".join(fitting)}'
-    raise BearingTwinError(msg)
+    raise BearingTwinError(f'{path}: name the vibration topic{asked}; it has {", ".join(fitting)}')
 
 
 def _from_vibration(messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks) -> dict[str, Any]:
@@ -161,8 +158,7 @@ def _from_vibration(messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks) 
         samples = {'x': x, 'y': y, '': y if y.size else x}.get(axis, x[:0])
         rate = float(block.sample_rate)
         if found and rate != found['fs']:
-            msg = f'the sample rate changes from {found["fs"]:g} to {rate:g} Hz'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'the sample rate changes from {found["fs"]:g} to {rate:g} Hz')
         found = {'fs': rate, 'unit': np.array(str(block.unit))}
         if expected is not None and int(block.first_sample) != expected:
             blocks.gap()
@@ -189,8 +185,7 @@ def _from_single(
             raise BearingTwinError(msg)
     steps = np.diff(np.array(times, dtype=np.int64)) / NANO
     if steps.size < 2:
-        msg = 'fewer than three samples: no sample rate can be told'
-        raise BearingTwinError(msg)
+        raise BearingTwinError('fewer than three samples: no sample rate can be told')
     low, middle, high = np.percentile(steps, [25, 50, 75])
     if middle <= 0.0 or high - low > SETTLED * middle:
         msg = f'the samples are not equally spaced ({low:g}..{high:g} s): this is no waveform'

@@ -54,8 +54,7 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     except BearingTwinError:
         raise
     except OSError as error:
-        msg = f'{path} cannot be read: {error.strerror or error}'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{path} cannot be read: {error.strerror or error}') from None
     except Exception as error:
         # zipfile, NumPy and its tokenizer raise exceptions of many types if bytes are damaged.
         msg = f'{path} cannot be read as .npz ({type(error).__name__}: {error})'
@@ -91,14 +90,12 @@ def _read_array(file: IO[bytes], size: int, room: int, what: str) -> Any:
     else:
         shape, by_column, dtype = np.lib.format.read_array_header_2_0(file)
     if dtype.hasobject:
-        msg = f'{what} holds Python objects, which are never loaded from a file'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{what} holds Python objects, which are never loaded from a file')
     needed = math.prod(shape) * dtype.itemsize
     if not 0 <= needed <= min(size, room):
-        msg = (
+        raise BearingTwinError(
             f'{what} would need {needed} bytes; the member has {size}, and of the '
             f'{MOST_UNPACKED} bytes that are read of a file {room} are left'
         )
-        raise BearingTwinError(msg)
     content = bytearray(file.read(needed))
     return np.ndarray(shape, dtype, content, order='F' if by_column else 'C')

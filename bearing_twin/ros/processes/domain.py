@@ -88,8 +88,7 @@ def inhabitants(domain: int, listen: float) -> list[str]:
 def check_domain(domain: int) -> None:
     """Raise BearingTwinError unless ``domain`` can be used and is empty."""
     if not 0 <= domain <= HIGHEST_DOMAIN:
-        msg = f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}')
     # A process may hold a port by chance, above domain 100: only announcements count.
     others = inhabitants(domain, LISTEN_FOR_NAMES if _ports_are_held(domain) else LISTEN)
     if others:
@@ -128,8 +127,7 @@ def own_domain(first: int, listen: float = LISTEN) -> Iterator[int]:
                 continue
             yield domain
             return
-    msg = f'every ROS domain from 1 to {DOMAINS} is in use on this machine'
-    raise BearingTwinError(msg)
+    raise BearingTwinError(f'every ROS domain from 1 to {DOMAINS} is in use on this machine')
 
 
 def server_port(domain: int) -> int:

@@ -128,8 +128,7 @@ class NodeProcesses:
             if process.poll():
                 text = (self._logs / f'{name}.log').read_text(errors='replace').strip()
                 tail = '\n'.join(text.splitlines()[-8:])
-                msg = f'{name} ended with status {process.returncode}:\n{tail}'
-                raise BearingTwinError(msg)
+                raise BearingTwinError(f'{name} ended with status {process.returncode}:\n{tail}')
 
     def wait(self, name: str, timeout: float) -> int:
         """Wait for a process to end by itself; return its exit status."""

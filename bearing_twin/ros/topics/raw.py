@@ -56,11 +56,10 @@ def published_type(publishers: Sequence[TopicEndpointInfo]) -> str:
     # Publishers of releases before Iron do not send a type hash.
     theirs = {str(info.topic_type_hash) for info in publishers} - {'INVALID'}
     if theirs - {ours}:
-        msg = (
+        raise BearingTwinError(
             f'its publisher was built with another definition of {type_name} '
             f'({", ".join(sorted(theirs))}) than the installed one ({ours})'
         )
-        raise BearingTwinError(msg)
     return type_name
 
 

@@ -232,5 +232,4 @@ def _compiled(name: str, text: str) -> re.Pattern[str] | None:
     try:
         return re.compile(text) if text else None
     except re.error as error:
-        msg = f"{name}='{text}' is no regular expression: {error}"
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f"{name}='{text}' is no regular expression: {error}") from None

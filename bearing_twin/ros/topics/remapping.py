@@ -29,14 +29,12 @@ def remapping(rules: list[str]) -> dict[str, str]:
     for rule in filter(None, rules):
         recorded, separator, new = rule.partition(':=')
         if not (recorded and separator and new):
-            msg = f"remap='{rule}' does not read 'recorded:=new'"
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f"remap='{rule}' does not read 'recorded:=new'")
         try:
             validate_full_topic_name(expand_topic_name(new, 'replay', '/'))
         except (ValueError, NameValidationException) as error:
             reason = str(error).partition(', at ')[0].splitlines()[0].rstrip(':')
-            msg = f"remap='{rule}': {reason}"
-            raise BearingTwinError(msg) from None
+            raise BearingTwinError(f"remap='{rule}': {reason}") from None
         names[recorded] = new
     return names
 
@@ -54,11 +52,10 @@ def check_remapping(names: Mapping[str, str], types: Mapping[str, str]) -> None:
     """
     unknown = sorted(names.keys() - types.keys())
     if unknown:
-        msg = (
+        raise BearingTwinError(
             f'remap names {", ".join(unknown)}, which is not replayed; '
             f'there is {", ".join(sorted(types))}'
         )
-        raise BearingTwinError(msg)
     taken: dict[str, str] = {}
     for topic, kind in sorted(types.items()):
         new = names.get(topic, topic)

@@ -53,14 +53,12 @@ def read_message(cdr: bytes, kind: type) -> Any:
 
     """
     if len(cdr) > LARGEST:
-        msg = (
+        raise BearingTwinError(
             f'{len(cdr)} bytes are too large a {kind.__name__}: {LARGEST} at most are taken; '
             'send shorter messages'
         )
-        raise BearingTwinError(msg)
     if len(cdr) < HEADER or len(cdr) - HEADER < cdr[HEADER - 1] & 3:
-        msg = f'{len(cdr)} bytes are no {kind.__name__}: refused'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{len(cdr)} bytes are no {kind.__name__}: refused')
     try:
         return deserialize_message(cdr, kind)
     except Exception as error:
@@ -142,8 +140,7 @@ def validated(
 def _check_time(message: Clock) -> None:
     """Raise BearingTwinError for a time outside the range of a stamp: rclpy would end the node."""
     if not 0 <= stamp_ns(message.clock) <= LATEST:
-        msg = (
+        raise BearingTwinError(
             f'time {message.clock.sec} s + {message.clock.nanosec} ns is outside '
             f'0..{LATEST // NANO} s: refused'
         )
-        raise BearingTwinError(msg)

@@ -28,11 +28,10 @@ def browse(page: str, *arguments: str) -> str:
     """
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:
-        msg = (
+        raise BearingTwinError(
             f'none of {", ".join(BROWSERS)} is installed; on Debian: apt-get install chromium. '
             'Or write .html and print it from any browser'
         )
-        raise BearingTwinError(msg)
     with tempfile.TemporaryDirectory(prefix='bearing_twin_page_') as folder:
         source = Path(folder) / 'page.html'
         # The byte order mark tells the browser the encoding if the page does not.
@@ -55,8 +54,7 @@ def pdf_of(page: str) -> bytes:
         try:
             return target.read_bytes()
         except OSError:
-            msg = (
+            raise BearingTwinError(
                 f'the browser wrote no {target}: one from snap does not see it; set TMPDIR '
                 'to a folder in your home, or write .html and print it'
-            )
-            raise BearingTwinError(msg) from None
+            ) from None

@@ -107,11 +107,9 @@ class RerunLogger:
         rr.TextLog('')
         if rrd is not None:
             if rrd.exists():
-                msg = f'{rrd} exists and is not overwritten; name another file'
-                raise BearingTwinError(msg)
+                raise BearingTwinError(f'{rrd} exists and is not overwritten; name another file')
             if not rrd.parent.is_dir():
-                msg = f'{rrd}: there is no folder {rrd.parent}'
-                raise BearingTwinError(msg)
+                raise BearingTwinError(f'{rrd}: there is no folder {rrd.parent}')
         if serve is not None:
             _check_free(*serve)
         self._file: Outlet | None = None

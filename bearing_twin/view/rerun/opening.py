@@ -83,8 +83,7 @@ def draw_recordings(
     infos = [recording_info(path) for path in paths]
     for info in infos:
         if not info.count:
-            msg = f'{info.path} holds no message'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'{info.path} holds no message')
     if len(paths) == 1 and not OWN & {topic.type_name for topic in infos[0].topics.values()}:
         return _draw_foreign(infos[0], rrd, progress)
     names = [''] if len(paths) == 1 else _names(paths)

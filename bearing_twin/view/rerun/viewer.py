@@ -91,11 +91,10 @@ def show_in_browser(
     except (OSError, OverflowError, TypeError, ValueError) as error:
         # Besides OSError: a port above 65535, an address that is not text or too long.
         reason = getattr(error, 'strerror', None) or error
-        msg = (
+        raise BearingTwinError(
             f'{address}:{web_port} cannot be served ({reason}); choose another --web-port or '
             '--address'
-        )
-        raise BearingTwinError(msg) from None
+        ) from None
     servers = [source for source in sources if '://' in source]
     shown = socket.gethostname() if address in ('0.0.0.0', '::') else bracketed(address)
     command = [_binary(), '--serve-web', '--bind', address, '--port', '0']
@@ -121,8 +120,7 @@ def _served(server: subprocess.Popen[bytes], count: int) -> set[int]:
         if len(ports := {*listening(server.pid)}) >= count:
             return ports
         time.sleep(POLL)
-    msg = 'the viewer serves no page; choose another --web-port or --address'
-    raise BearingTwinError(msg)
+    raise BearingTwinError('the viewer serves no page; choose another --web-port or --address')
 
 
 class HeadlessViewer:
@@ -190,8 +188,7 @@ class HeadlessViewer:
                 break
             before, then = end, now
             if now > deadline:
-                msg = f'the viewer has loaded nothing within {LOAD_TIMEOUT:g} s'
-                raise BearingTwinError(msg)
+                raise BearingTwinError(f'the viewer has loaded nothing within {LOAD_TIMEOUT:g} s')
         if seconds is None:
             self.client.set_time(play_state='following')
         else:
@@ -214,8 +211,7 @@ class HeadlessViewer:
                 else:
                     self.client.set_time(timestamp=np.datetime64(at, 'ns'), play_state='paused')
                 return
-        msg = 'what is shown has no time'
-        raise BearingTwinError(msg)
+        raise BearingTwinError('what is shown has no time')
 
     def screenshot(self, path: Path) -> None:
         """Write what the window shows as PNG."""
@@ -273,18 +269,16 @@ class HeadlessViewer:
             return
         text = self._errors.read_text(errors='replace')
         if missing := re.search('No glyph for "(.+?)"', text):
-            msg = (
+            raise BearingTwinError(
                 f'the viewer without a display ends where it has no letter for {missing[1]!r}; '
                 'rename what is shown, or use view with a window or --web, which show a box'
             )
-            raise BearingTwinError(msg)
         # With OpenGL only, even in software, the viewer panics instead of naming the adapter.
         if 'adapter' in text or 'render context' in text:
-            msg = (
+            raise BearingTwinError(
                 'no Vulkan device for pictures without a display; on Debian or Ubuntu install '
                 'mesa-vulkan-drivers and libvulkan1'
             )
-            raise BearingTwinError(msg)
         last = text.strip().splitlines()[-1:] or ['no message']
         msg = f'the viewer ended with status {self._process.returncode}: {last[0]}'
         raise BearingTwinError(msg)
@@ -294,6 +288,5 @@ def _binary() -> str:
     """Return the path of the viewer; the `rerun` script is a wrapper that outlives its child."""
     binary = Path(rerun_cli.__file__).with_name('rerun')
     if not binary.exists():
-        msg = f'the Rerun viewer is not in {binary.parent}; reinstall rerun-sdk'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'the Rerun viewer is not in {binary.parent}; reinstall rerun-sdk')
     return str(binary)
