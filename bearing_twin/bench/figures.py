@@ -43,9 +43,7 @@ FIGURES = {
     'offline_rtf': Figure('s/s', 'recorded seconds a second, twin, diagnosis and MCAP', '> 1'),
     'offline_ratio': Figure('', "time of the same twin's equations alone over that", '> 0.5'),
     'offline_kernel_ratio': Figure(
-        '',
-        'time of the equations of the kernel_rtf twin at 20 degC over an offline run',
-        '> 0.5',
+        '', 'time of the equations of the kernel_rtf twin at 20 degC over an offline run', '> 0.5'
     ),
     'verify_rtf': Figure('s/s', 'recorded seconds that are re-run and compared a second', '> 1'),
     'verify_ratio': Figure(

@@ -387,10 +387,7 @@ def _defect(
 
 
 def _path(
-    x: FloatArray,
-    situation: Situation,
-    left: Posterior,
-    seed: int,
+    x: FloatArray, situation: Situation, left: Posterior, seed: int
 ) -> tuple[SensorPath, FloatArray]:
     """Identify the path of the median candidate; also return its acceleration without noise."""
     typical = {name: left.quantiles(name, (0.5,)) for name in left.values}

@@ -281,12 +281,7 @@ def _from_summary(file: BinaryIO, size: int, info: RecordingInfo) -> bool:
     attachments: dict[str, int] = {}
     # Offsets of metadata records, each once: an index may repeat an offset many times.
     metadata: dict[int, None] = {}
-    wanted = (
-        *DEFINITIONS,
-        Opcode.STATISTICS,
-        Opcode.ATTACHMENT_INDEX,
-        Opcode.METADATA_INDEX,
-    )
+    wanted = (*DEFINITIONS, Opcode.STATISTICS, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX)
     try:
         for raw, data in summary_records(file, size, wanted):
             if raw.opcode in DEFINITIONS:

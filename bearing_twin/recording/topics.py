@@ -15,14 +15,7 @@ VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 LEVEL_OK, LEVEL_SUSPECT, LEVEL_FAULT, LEVEL_NONE = range(4)
 """Constants of a Diagnosis message."""
 
-FEATURES = (
-    'result',
-    'level',
-    'strongest_score',
-    'strongest_modulation_index',
-    'fault_hz',
-    'rms',
-)
+FEATURES = ('result', 'level', 'strongest_score', 'strongest_modulation_index', 'fault_hz', 'rms')
 """
 Fields of a Diagnosis that a diagnosis node also publishes on one topic each.
 

@@ -12,11 +12,7 @@ from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.geometry import fault_orders
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.streams.vibration_input import (
-    SOURCE_MEASURED,
-    SOURCE_SIMULATED,
-    SOURCE_UNKNOWN,
-)
+from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED, SOURCE_UNKNOWN
 from bearing_twin.view.trends import zone_limits
 
 if TYPE_CHECKING:

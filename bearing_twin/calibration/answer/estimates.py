@@ -18,11 +18,7 @@ from bearing_twin.calibration.answer.healthy import (
 from bearing_twin.calibration.answer.refusals import Kind, Refusal
 from bearing_twin.calibration.answer.result import Estimate
 from bearing_twin.calibration.candidates.cloud import MOST_SLIP, unknowns
-from bearing_twin.calibration.candidates.passage import (
-    interference,
-    path_curvature,
-    widest,
-)
+from bearing_twin.calibration.candidates.passage import interference, path_curvature, widest
 from bearing_twin.calibration.candidates.posterior import (
     longest_unresolved_spacing,
     weighted_quantile,

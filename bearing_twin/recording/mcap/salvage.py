@@ -102,9 +102,7 @@ def open_mcap(path: Path) -> BinaryIO:
 
 
 def sound_records(
-    chunks: Chunks,
-    wanted: Collection[int],
-    damaged: Callable[[BrokenRecording], object] | None,
+    chunks: Chunks, wanted: Collection[int], damaged: Callable[[BrokenRecording], object] | None
 ) -> Iterator[tuple[RawRecord, bytes]]:
     """
     Yield the records of the wanted kinds with their content.

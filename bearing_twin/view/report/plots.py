@@ -58,9 +58,7 @@ def appended_figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
 
 
 def _all(
-    machine: Machine,
-    prefix: str,
-    plots: Sequence[Callable[[Machine], tuple[str, Figure] | None]],
+    machine: Machine, prefix: str, plots: Sequence[Callable[[Machine], tuple[str, Figure] | None]]
 ) -> list[tuple[str, str]]:
     found = []
     # The style applies to these figures only, not to the calling program.

@@ -45,11 +45,7 @@ LONGEST = 22
 
 
 def layout(
-    scenes: Mapping[str, Scene],
-    *,
-    timeline: str,
-    side_by_side: bool = False,
-    page: str = '',
+    scenes: Mapping[str, Scene], *, timeline: str, side_by_side: bool = False, page: str = ''
 ) -> rrb.Blueprint:
     """
     Return the blueprint of scenes by title.
@@ -94,11 +90,7 @@ def layout(
 
 
 def automatic(
-    scenes: Iterable[Scene],
-    *,
-    timeline: str,
-    lines: Iterable[str],
-    tables: Iterable[str],
+    scenes: Iterable[Scene], *, timeline: str, lines: Iterable[str], tables: Iterable[str]
 ) -> rrb.Blueprint:
     """
     Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.

@@ -176,12 +176,7 @@ class RerunLogger:
         return self._served is None or self._served.drain(timeout)
 
     def import_mcap(
-        self,
-        path: Path,
-        topics: Iterable[str],
-        *,
-        lines: Iterable[str],
-        tables: Iterable[str],
+        self, path: Path, topics: Iterable[str], *, lines: Iterable[str], tables: Iterable[str]
     ) -> str:
         """
         Let Rerun draw topics of an MCAP file to the file; return why it cannot, or ''.

@@ -243,10 +243,7 @@ def over_temperature_views(scene: Scene) -> list[View]:
 def panel_views(scene: Scene, kind: str, panels: Sequence[Panel]) -> list[View]:
     """Return a view for each panel that has values."""
     return [
-        lines_view(
-            panel.named.replace('[unit]', f'[{_unit(scene)}]'),
-            [f'{path}/{panel.key}/**'],
-        )
+        lines_view(panel.named.replace('[unit]', f'[{_unit(scene)}]'), [f'{path}/{panel.key}/**'])
         for path in paths_of(scene, kind)
         for panel in panels
         if panel.key in scene.asset.panels

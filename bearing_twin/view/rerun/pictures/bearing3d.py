@@ -179,16 +179,11 @@ class Bearing3D:
                 spot[:, 2] = 300.0 * bearing.d_ball
                 centre = _on_circle(500.0 * bearing.d_pitch, at)
                 canvas.columns(
-                    f'{name}/defects/ball_{k}',
-                    times,
-                    rr.Points3D.columns(positions=centre + spot),
+                    f'{name}/defects/ball_{k}', times, rr.Points3D.columns(positions=centre + spot)
                 )
 
     def _load_zone(
-        self,
-        times: NDArray[np.int64],
-        zone: NDArray[np.float64],
-        scale: NDArray[np.float64],
+        self, times: NDArray[np.int64], zone: NDArray[np.float64], scale: NDArray[np.float64]
     ) -> None:
         """Draw the forces as spikes around the outer ring, the greatest with its value."""
         foot = shapes.outer_radius(self.bearing) * 1.02

@@ -35,9 +35,7 @@ class CheckpointPicture(Picture):
             lines += ['', '| parameter | value | parameter | value |', '|---|---|---|---|']
             lines += [f'{a}{b}|' for a, b in zip(cells[::2], cells[1::2], strict=False)] + ['']
         self.canvas.put(
-            'parameters',
-            time,
-            rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN),
+            'parameters', time, rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN)
         )
         return True
 
