@@ -112,10 +112,5 @@ setup(
     install_requires=requirements(),
     extras_require={'dask': ['dask[distributed]'], 'test': ['pytest', 'hypothesis']},
     zip_safe=False,
-    entry_points={
-        'console_scripts': [
-            'bearing-twin = bearing_twin.start:command',
-            *scripts(),
-        ]
-    },
+    entry_points={'console_scripts': ['bearing-twin = bearing_twin.start:command', *scripts()]},
 )

@@ -37,12 +37,7 @@ NOISE = np.random.default_rng(0).standard_normal(51200)
     ],
 )
 def test_bad_input_is_refused_in_words(change, text):
-    values = {
-        'samples': NOISE,
-        'sample_rate': RATE,
-        'bearing': BEARING,
-        'shaft_hz': 20.0,
-    } | change
+    values = {'samples': NOISE, 'sample_rate': RATE, 'bearing': BEARING, 'shaft_hz': 20.0} | change
     with pytest.raises(BearingTwinError, match=text):
         fit(**values)
 

@@ -346,8 +346,7 @@ def test_a_state_of_another_version_is_refused_with_what_differs_and_changes_not
 
 
 @pytest.mark.parametrize(
-    'wrong',
-    [{'window': 0.0}, {'memory': 1.0}, {'speed_tolerance': 0.5}, {'mounting': 'soft'}],
+    'wrong', [{'window': 0.0}, {'memory': 1.0}, {'speed_tolerance': 0.5}, {'mounting': 'soft'}]
 )
 def test_settings_are_checked(wrong):
     with pytest.raises(BearingTwinError):

@@ -151,11 +151,7 @@ def test_a_running_node_reads_a_value_as_at_start(nodes, probe):
             ParameterValue(type=4, string_value='4 s'),
             'write a decimal point and no unit',
         ),
-        (
-            'windw',
-            ParameterValue(type=2, integer_value=4),
-            "no parameter 'windw'; 'ros2",
-        ),
+        ('windw', ParameterValue(type=2, integer_value=4), "no parameter 'windw'; 'ros2"),
         ('series_cycle', ParameterValue(type=2, integer_value=4), 'cannot change while the node'),
         ('windw', ParameterValue(type=77), "no parameter 'windw'"),
         # rclpy would end the node.

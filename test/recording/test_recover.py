@@ -85,10 +85,7 @@ def test_saved_recording_has_schemas_qos_and_attachments(tmp_path: Path) -> None
     content = (tmp_path / 'whole.mcap').read_bytes()
     (tmp_path / 'torn.mcap').write_bytes(content[:-2000])
     recover(tmp_path / 'torn.mcap', tmp_path / 'saved')
-    before, after = (
-        recording_info(tmp_path / 'whole.mcap'),
-        recording_info(tmp_path / 'saved'),
-    )
+    before, after = (recording_info(tmp_path / 'whole.mcap'), recording_info(tmp_path / 'saved'))
     assert after.topics == before.topics
     assert after.attachments == before.attachments
     assert after.metadata['bearing_twin.test'] == {'key': 'value'}

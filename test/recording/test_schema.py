@@ -76,8 +76,7 @@ def test_schema_without_any_installed_package(monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.parametrize(
-    'text',
-    ['', 'float64', 'float64 a\nfloat64 a\nnonsense nonsense', 'x/y z', '\x00', 'T[] self'],
+    'text', ['', 'float64', 'float64 a\nfloat64 a\nnonsense nonsense', 'x/y z', '\x00', 'T[] self']
 )
 def test_damaged_schemas_are_refused(text: str) -> None:
     if text == '':

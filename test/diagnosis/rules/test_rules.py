@@ -14,14 +14,7 @@ from bearing_twin.diagnosis.combs.candidate import Candidate, Claims
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, confidence
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.rule import EVEN
-from bearing_twin.diagnosis.rules.table import (
-    decide,
-    DOUBTED,
-    FAINT,
-    NOTHING_SHOWS,
-    RULES,
-    TELLS,
-)
+from bearing_twin.diagnosis.rules.table import decide, DOUBTED, FAINT, NOTHING_SHOWS, RULES, TELLS
 from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_NONE, LEVEL_OK, LEVEL_SUSPECT
 from bearing_twin.view.verdict import next_step
 import numpy as np
@@ -44,18 +37,8 @@ INNER_SIDEBAND = comb('outer', order=3.93, z=12.0, shaft_sideband_ratio=0.8)
 SIDEBAND = {'shaft_sideband_ratios': {'outer': 0.8}, 'inner_race_ratios': {'outer': 0.8}}
 
 CASES = {
-    'ball_ripple': (
-        Evidence.of(CAGE, RIPPLING_BALL),
-        'ball',
-        'fault',
-        ('ball',),
-    ),
-    'ball_passages': (
-        Evidence.of(CAGE, ball_passages=5.0),
-        'ball',
-        'fault',
-        ('ball',),
-    ),
+    'ball_ripple': (Evidence.of(CAGE, RIPPLING_BALL), 'ball', 'fault', ('ball',)),
+    'ball_passages': (Evidence.of(CAGE, ball_passages=5.0), 'ball', 'fault', ('ball',)),
     'cage_ripple': (
         Evidence.of(CAGE, comb('ball', index=0.2)),
         'ambiguous',
@@ -68,12 +51,7 @@ CASES = {
         'suspect',
         ('cage',),
     ),
-    'cage_impacts': (
-        Evidence.of(*CAGE_IMPACTS),
-        'cage',
-        'fault',
-        ('cage',),
-    ),
+    'cage_impacts': (Evidence.of(*CAGE_IMPACTS), 'cage', 'fault', ('cage',)),
     'weak_cage': (
         Evidence.of(comb('cage', z=12.0, index=0.5), impacts={'cage': 2.0}),
         'suspect',
@@ -190,12 +168,7 @@ CASES = {
         'suspect',
         ('inner', 'ball'),
     ),
-    'elsewhere_explains': (
-        Evidence.of(INNER, elsewhere_explains=True),
-        'suspect',
-        'suspect',
-        (),
-    ),
+    'elsewhere_explains': (Evidence.of(INNER, elsewhere_explains=True), 'suspect', 'suspect', ()),
     'ball_without_cage_sidebands': (
         Evidence.of(BALL, cage_sideband_ratio=0.1),
         'suspect',
@@ -233,18 +206,8 @@ CASES = {
         ('inner', 'outer', 'ball'),
     ),
     'weak_modulation': (Evidence.of(WEAK), 'suspect', 'suspect', ('inner',)),
-    'smooth': (
-        Evidence.of(INNER, smooth=True, half_turn=True),
-        'suspect',
-        'suspect',
-        ('inner',),
-    ),
-    'whole_turns': (
-        Evidence.of(OUTER, whole_turns=3),
-        'ambiguous',
-        'fault',
-        ('outer',),
-    ),
+    'smooth': (Evidence.of(INNER, smooth=True, half_turn=True), 'suspect', 'suspect', ('inner',)),
+    'whole_turns': (Evidence.of(OUTER, whole_turns=3), 'ambiguous', 'fault', ('outer',)),
     'another_cage': (
         Evidence.of(INNER, another_cage_order=0.43),
         'suspect',
@@ -347,10 +310,7 @@ def test_the_documented_table_is_that_of_the_rules():
             'inner',
         ),
         # An outer race's comb that is the inner race's sideband is not named.
-        (
-            Evidence.of(comb('inner', z=20.0), INNER_SIDEBAND, **SIDEBAND),
-            'inner',
-        ),
+        (Evidence.of(comb('inner', z=20.0), INNER_SIDEBAND, **SIDEBAND), 'inner'),
         # Faint and chance combs say nothing.
         (Evidence.of(INNER, comb('outer', z=5.4, index=3.0)), 'inner'),
         (Evidence.of(INNER, comb('outer', z=50.0, index=0.29)), 'inner'),
