@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
-    from bearing_twin.recording.sink import MessageSink
+    from bearing_twin.recording.writer import RecordingWriter
 
 
 def put(
-    writer: MessageSink, message: RecordedMessage, topic: str = '', cdr: bytes | None = None
+    writer: RecordingWriter, message: RecordedMessage, topic: str = '', cdr: bytes | None = None
 ) -> None:
     """Write a recorded message again, on another topic or with other bytes."""
     channel = replace(message.channel, topic=topic or message.topic)

@@ -280,7 +280,7 @@ class RecorderNode(ManagedNode):
         return Status(Level.OK, 'recording', values)
 
 
-def build_writer(values: Mapping[str, Any]) -> RecordingWriter | SnapshotWriter:
+def build_writer(values: Mapping[str, Any]) -> RecordingWriter:
     """
     Return the writer for the given parameters; this creates the recording.
 

@@ -49,7 +49,7 @@ class RecordingWatch:
 
     def __init__(
         self,
-        writer: RecordingWriter | SnapshotWriter,
+        writer: RecordingWriter,
         values: Mapping[str, Any],
         logger: RcutilsLogger,
     ) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 import contextlib
+from dataclasses import dataclass, field
 import fcntl
 import os
 import struct
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.disksync import DiskSync
     from bearing_twin.recording.mcap.schema import MessageSchema
-    from bearing_twin.recording.sink import Attachment, MessageToStore
     from mcap.data_stream import RecordBuilder
 
 
@@ -36,6 +36,35 @@ REPEATED_EACH = 10
 """Chunks after which schemas and channels are repeated: 5 s with the default flush period."""
 MOST_CHANNELS = 65_535
 """Most channels and schemas of one file: MCAP numbers each with two bytes, from 1 on."""
+OVERHEAD = 250
+"""Bytes of memory that a message takes in addition to its content."""
+
+
+class MessageToStore(NamedTuple):
+    """One message to store; times in ns."""
+
+    topic: str
+    type_name: str
+    cdr: bytes
+    log_time: int
+    publish_time: int
+    qos: str
+    schema: MessageSchema
+
+    @property
+    def memory(self) -> int:
+        """Bytes of memory that the message takes while it waits."""
+        return OVERHEAD + len(self.cdr)
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """An attachment (``data``) or a metadata record (``values``)."""
+
+    name: str
+    media_type: str = ''
+    data: bytes = b''
+    values: dict[str, str] = field(default_factory=dict)
 
 
 class _Spool:

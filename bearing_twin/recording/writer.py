@@ -14,15 +14,21 @@ from bearing_twin.disksync import DiskSync
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
-from bearing_twin.recording.outfile import OutputFile
-from bearing_twin.recording.sink import Attachment, MessageSink, MessageToStore
+from bearing_twin.recording.mcap.schema import message_schema
+from bearing_twin.recording.outfile import Attachment, MessageToStore, OutputFile
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from bearing_twin.recording.mcap.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.schema import MessageSchema
+    from typing_extensions import Self
 
+
+LATEST = 2**63
+"""Earliest time that MCAP cannot hold, ns."""
 MOST_FILES = 10_000
 """Most files of a bag in metadata.yaml: each file takes 0.12 ms at each split."""
 
@@ -62,7 +68,7 @@ class WriterOptions:
     )  # fmt: skip
 
 
-class RecordingWriter(MessageSink):
+class RecordingWriter:
     """
     Write messages to a recording that can be read at any time.
 
@@ -73,6 +79,8 @@ class RecordingWriter(MessageSink):
     to ``cache_size``; then the newest are dropped and counted. :attr:`problem` names the cause.
     Writing continues in the same file as soon as the disk accepts data.
 
+    Leaving the context finishes the recording. With ``begin`` False a subclass makes it later.
+
     Raises
     ------
     BearingTwinError
@@ -80,7 +88,9 @@ class RecordingWriter(MessageSink):
 
     """
 
-    def __init__(self, path: Path, options: WriterOptions | None = None) -> None:
+    def __init__(
+        self, path: Path, options: WriterOptions | None = None, *, begin: bool = True
+    ) -> None:
         self.path = path
         self.options = options or WriterOptions()
         self.bag = path.suffix != '.mcap'
@@ -107,9 +117,22 @@ class RecordingWriter(MessageSink):
         self._unlisted = ''
         self._to_list = self._listed = list[BagFile]()
         self._index = 0
-        self._flushed = self._synced = time.monotonic()
         self._disk = DiskSync()
-        self._closed = False
+        self._begun = self._closed = False
+        if begin:
+            self._begin()
+
+    def __enter__(self) -> Self:
+        """Return the writer."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Finish the recording."""
+        self.close()
+
+    def _begin(self) -> None:
+        """Make the recording and its first file."""
+        path = self.path
         try:
             if path.exists():
                 msg = f'{path} exists and is not overwritten; choose another name'
@@ -118,9 +141,11 @@ class RecordingWriter(MessageSink):
         except OSError as error:
             raise BearingTwinError(f'{path} cannot be made: {error.strerror}') from None
         self._file = self._open()
+        self._flushed = self._synced = time.monotonic()
         problem = self._file.drain()
         if problem:
             raise BearingTwinError(f'the recording cannot be made: {problem}')
+        self._begun = True
 
     @property
     def lost(self) -> int:
@@ -136,8 +161,60 @@ class RecordingWriter(MessageSink):
     def size(self) -> int:
         """Bytes of the recording so far, including those still in memory."""
         finished = self._earlier_size + sum(file.size for file in self._finished)
-        unfinished = self._ending if self._closed else (*self._ending, self._file)
-        return finished + sum(file.size for file in unfinished)
+        open_files = [self._file] if self._begun and not self._closed else []
+        return finished + sum(file.size for file in (*self._ending, *open_files))
+
+    def write(
+        self,
+        topic: str,
+        type_name: str,
+        cdr: bytes,
+        *,
+        log_time: int,
+        publish_time: int,
+        qos: str = '',
+        schema: MessageSchema | None = None,
+    ) -> None:
+        """
+        Check and store one serialised message.
+
+        Parameters
+        ----------
+        topic, type_name
+            Topic, and type as ``pkg/msg/Type``.
+        cdr
+            The message with its CDR header, as received.
+        log_time, publish_time
+            Time of reception and time of sending, ns.
+        qos
+            Offered QoS profiles, YAML (:func:`bearing_twin.recording.qos.qos_yaml`). Those of the
+            first message of a topic are stored.
+        schema
+            Schema of the message. With None the installed package provides it.
+
+        Raises
+        ------
+        BearingTwinError
+            If the definition of the type is unknown, or a time is out of range.
+
+        """
+        schema = schema or message_schema(type_name)
+        if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
+            raise BearingTwinError(f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns')
+        self.take(MessageToStore(topic, type_name, cdr, log_time, publish_time, qos, schema))
+
+    def copy(self, message: RecordedMessage) -> None:
+        """Store a message from a recording unchanged; raises as :meth:`write`."""
+        channel = message.channel
+        self.write(
+            channel.topic,
+            channel.type_name,
+            message.cdr,
+            log_time=message.log_time,
+            publish_time=message.publish_time,
+            qos=channel.qos,
+            schema=channel.message_schema,
+        )
 
     def take(self, message: MessageToStore) -> None:
         """
@@ -166,7 +243,19 @@ class RecordingWriter(MessageSink):
     def add(self, attached: Attachment) -> None:
         """Add an attachment or a metadata record to this file and all later ones."""
         self._attached.append(attached)
-        self._file.attach(attached)
+        if self._begun:
+            self._file.attach(attached)
+
+    def attach(self, name: str, data: bytes, media_type: str) -> None:
+        """Attach a small file to every file of the recording."""
+        self.add(Attachment(name, media_type=media_type, data=data))
+
+    def metadata(self, name: str, values: dict[str, str]) -> None:
+        """Add named texts to every file of the recording; what is not UTF-8 is escaped."""
+        known = {
+            key: text.encode(errors='backslashreplace').decode() for key, text in values.items()
+        }
+        self.add(Attachment(name, values=known))
 
     def flush(self) -> None:
         """Close the chunk and write all bytes to the operating system; sets :attr:`problem`."""

@@ -102,26 +102,25 @@ def test_full_disk_drops_and_counts_when_memory_is_full(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize('kind', ['recording', 'snapshot'])
 def test_messages_that_wait_take_the_memory_that_is_stated(tmp_path: Path, kind: str) -> None:
-    memory, writer = 1_000_000, None
+    memory = 1_000_000
     with file_size_limit(4096):
         if kind == 'recording':
             options = WriterOptions(cache_size=memory, flush_period=60.0)
             writer = RecordingWriter(tmp_path / 'run', options)
             writer.problem = 'until the next flush'
         else:
-            kept = SnapshotWriter(tmp_path / 'run', before=60.0, after=1.0, memory=memory)
-        sink = writer or kept
+            writer = SnapshotWriter(tmp_path / 'run', before=60.0, after=1.0, memory=memory)
         tracemalloc.start()
         for index in range(20_000):
             cdr = bytes((0, 1, 0, 0, index & 1))
             log_time = START + index
-            sink.write(
+            writer.write(
                 '/a', 'std_msgs/msg/Bool', cdr, log_time=log_time, publish_time=log_time - 7
             )
         taken, _ = tracemalloc.get_traced_memory()
         tracemalloc.stop()
     assert 0.8 * memory < taken < 1.2 * memory
-    sink.close()
+    writer.close()
 
 
 def test_disk_that_stays_full_leaves_a_file_to_recover(tmp_path: Path) -> None:

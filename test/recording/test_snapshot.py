@@ -7,8 +7,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.outfile import OVERHEAD
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.sink import OVERHEAD
 from bearing_twin.recording.snapshot import SnapshotWriter
 import pytest
 from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
