@@ -104,6 +104,17 @@ class Stretch:
             return segment
 
 
+def is_simulated(sensor: str) -> bool:
+    """
+    Return whether a twin is the sensor, by its name.
+
+    >>> is_simulated('bearing_housing y simulated'), is_simulated('bearing_housing y')
+    (True, False)
+
+    """
+    return sensor.endswith(' simulated')
+
+
 @dataclass(frozen=True, kw_only=True)
 class Excerpt:
     """Samples that get one verdict: a window of a stream, or a whole record."""
@@ -218,7 +229,7 @@ class Excerpt:
     @property
     def simulated(self) -> bool:
         """Whether a twin makes the samples, so that fault sizes may be named."""
-        return self.sensor.endswith(' simulated')
+        return is_simulated(self.sensor)
 
     def analyse(self) -> Analysis:
         """Return the analysis of these samples alone, which is most of the work of a verdict."""

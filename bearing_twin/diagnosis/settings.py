@@ -31,7 +31,9 @@ class DiagnosisSettings:
     )
     """2 % is the error of a nameplate speed, because the slip of the motor depends on its load."""
     measured_speed_tolerance: float = quantity(
-        0.002, 'Uncertainty of a speed that comes with the samples or from a joint.', '', 0.0, 0.1
+        0.002,
+        'Uncertainty of a speed that comes with the samples or from a joint; the speed of a twin '
+        'is exact.', '', 0.0, 0.1,
     )
     window: float = quantity(8.0, 'Length of the sliding window.', 's', 1.0, LONGEST_WINDOW)
     """Eight seconds are 200 turns at 25 Hz: enough to separate a line of one race from a sideband
@@ -86,6 +88,22 @@ class DiagnosisSettings:
     def measured(self) -> DiagnosisSettings:
         """The same settings for a speed that is measured with the samples."""
         return replace(self, speed_tolerance=self.measured_speed_tolerance)
+
+    @functools.cached_property
+    def _exact(self) -> DiagnosisSettings:
+        return replace(self, speed_tolerance=0.0)
+
+    def for_speed(self, *, measured: bool, simulated: bool) -> DiagnosisSettings:
+        """
+        Return the same settings for a speed that may come with the samples.
+
+        >>> DiagnosisSettings().for_speed(measured=True, simulated=True).speed_tolerance
+        0.0
+
+        """
+        if not measured:
+            return self
+        return self._exact if simulated else self.measured
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -12,7 +12,7 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import check_geometry
-from bearing_twin.diagnosis.chain import Excerpt, Stretch
+from bearing_twin.diagnosis.chain import Excerpt, is_simulated, Stretch
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -277,7 +277,7 @@ class StreamingDiagnoser:
             Shaft speed during the block, Hz; NaN if unknown.
         speed_measured
             Whether the speed was measured with the samples; its tolerance is then
-            ``measured_speed_tolerance``.
+            ``measured_speed_tolerance``, or 0 if a twin is the sensor.
         temperature
             Bearing temperature, degC; NaN if unknown.
         unit
@@ -511,7 +511,8 @@ class StreamingDiagnoser:
     def _excerpt(
         self, speed_measured: bool, temperature: float, unit: str, sensor: str
     ) -> Excerpt:
-        settings = self._settings.measured if speed_measured else self._settings
+        simulated = is_simulated(sensor)
+        settings = self._settings.for_speed(measured=speed_measured, simulated=simulated)
         stretches, count = tuple(self._stretches), self._cut.window
         note, self._note, self._restarts = self._restarted, '', 0
         return Excerpt(

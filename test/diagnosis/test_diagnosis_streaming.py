@@ -10,6 +10,7 @@ from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.machine.trend import HeldAnswer, Trend
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
+from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
 from bearing_twin.diagnosis.signal.demodulation import choose_layout, highest_order
 from bearing_twin.diagnosis.signal.severity import MEASURES
 from bearing_twin.diagnosis.streaming import _VERSION, Cut
@@ -145,6 +146,24 @@ def test_unknown_speed_makes_no_statement():
     (said,) = StreamingDiagnoser(BEARING).push(0, fault_signal(), RATE, math.nan)
     assert (said.result, said.level) == ('insufficient', 'none')
     assert 'speed is unknown' in said.reasons[0]
+
+
+@pytest.mark.parametrize('cycle', [0.0, 2.0])
+def test_a_measured_speed_is_refined_and_that_of_a_twin_is_exact(cycle, rng):
+    t = np.arange(int(8.0 * RATE)) / RATE
+    x = rng.standard_normal(t.size)
+    for harmonic in range(1, 7):
+        x += 0.3 * np.sin(2.0 * np.pi * 1.001 * SHAFT_HZ * harmonic * t)
+    settings = DiagnosisSettings(series_cycle=cycle, series_snapshot=2.0)
+    kind = SeriesDiagnoser if cycle else StreamingDiagnoser
+    shaft_hz = {}
+    for sensor in ('housing y', 'housing y simulated'):
+        due = kind(BEARING, settings).take(
+            0, x, RATE, SHAFT_HZ, speed_measured=True, sensor=sensor
+        )
+        shaft_hz[sensor] = due[-1].analyse().window.speed.shaft_hz
+    assert shaft_hz['housing y'] == pytest.approx(1.001 * SHAFT_HZ, rel=3e-4)
+    assert shaft_hz['housing y simulated'] == SHAFT_HZ
 
 
 def test_fault_is_found_while_the_speed_varies():

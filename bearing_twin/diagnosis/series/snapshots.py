@@ -11,7 +11,7 @@ import math
 from typing import Any, TYPE_CHECKING
 import zlib
 
-from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.chain import Excerpt, is_simulated
 from bearing_twin.diagnosis.machine.level import UNRATED_CONFIDENCE, with_fault_stage
 from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone
@@ -151,7 +151,8 @@ class SeriesDiagnoser:
         return sum(len(part) for part, _ in self._parts)
 
     def _snapshot(self, speed_measured: bool, known: dict[str, Any]) -> list[Excerpt]:
-        settings = self._settings.measured if speed_measured else self._settings
+        simulated = is_simulated(known['sensor'])
+        settings = self._settings.for_speed(measured=speed_measured, simulated=simulated)
         parts, count = self._parts, self._held
         self._parts = []
         if count < LEAST:

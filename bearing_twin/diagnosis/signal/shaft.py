@@ -67,7 +67,7 @@ def refine_shaft_hz(
     given_hz
         Given speed, Hz.
     tolerance
-        Relative tolerance of the given speed, e.g. 0.02.
+        Relative tolerance of the given speed, e.g. 0.02; 0 for an exact speed.
 
     Returns
     -------
@@ -80,10 +80,12 @@ def refine_shaft_hz(
     >>> envelopes = EnvelopeSpectra(0.25, flat, flat[:, :2], flat.T, flat.T, 0.0, 1)
     >>> round(refine_shaft_hz(power, 0.25, envelopes, 25.0, 0.02).shaft_hz, 1)
     25.2
+    >>> refine_shaft_hz(power, 0.25, envelopes, 25.0, 0.0).shaft_hz
+    25.0
 
     """
     step = bin_hz / (2.0 * _HARMONICS)
-    reach = max(tolerance * given_hz, step)
+    reach = max(tolerance * given_hz, step) if tolerance else 0.0
     near = given_hz + np.arange(-int(reach / step), int(reach / step) + 1) * step
     beside = given_hz * _BESIDE
     last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1, len(envelopes.logs))
