@@ -33,7 +33,10 @@ class DiagnosisSettings:
     measured_speed_tolerance: float = quantity(
         0.002,
         'Uncertainty of a speed that comes with the samples or from a joint; the speed of a twin '
-        'is exact.', '', 0.0, 0.1,
+        'is exact.',
+        '',
+        0.0,
+        0.1,
     )
     window: float = quantity(8.0, 'Length of the sliding window.', 's', 1.0, LONGEST_WINDOW)
     """Eight seconds are 200 turns at 25 Hz: enough to separate a line of one race from a sideband
