@@ -12,11 +12,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import check_geometry, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.machine.level import (
-    unrated,
-    with_fault_stage,
-    with_required_level,
-)
+from bearing_twin.diagnosis.machine.level import unrated, with_fault_stage, with_required_level
 from bearing_twin.diagnosis.rules.table import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import SHAFT_TURNS
@@ -126,11 +122,10 @@ def diagnose_record(
     sample_rate = real_number('sample_rate', sample_rate)
     temperature = real_number('temperature', temperature)
     if speeds.shape not in ((), signal.shape):
-        msg = (
+        raise BearingTwinError(
             f'shaft_hz has shape {speeds.shape}, x has {signal.shape}; give one number or one '
             'a sample'
         )
-        raise BearingTwinError(msg)
     if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
         settings = settings.measured
     lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))

@@ -13,13 +13,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.lines import without_two_highest
 from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
-from bearing_twin.diagnosis.thresholds import (
-    CARRIER,
-    MAINS_HZ,
-    SLIP,
-    UNLIKELY_SLIP,
-    Z_ELSEWHERE,
-)
+from bearing_twin.diagnosis.thresholds import CARRIER, MAINS_HZ, SLIP, UNLIKELY_SLIP, Z_ELSEWHERE
 import numpy as np
 
 if TYPE_CHECKING:

@@ -55,8 +55,7 @@ class Rise:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.total) and min(self.total, self.lasting) >= 0):
-            msg = f'saved rise is {self}; use what save() returned'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'saved rise is {self}; use what save() returned')
 
     def add(self, over: float, scatter: float = 0.0) -> bool:
         """

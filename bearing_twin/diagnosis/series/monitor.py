@@ -129,11 +129,10 @@ class SeriesMonitor:
     ) -> None:
         self._settings = settings or DiagnosisSettings()
         if self._settings.baseline_windows < LEAST_BASELINE:
-            msg = (
+            raise BearingTwinError(
                 f'a baseline of {self._settings.baseline_windows} snapshots is too short: give at '
                 f'least {LEAST_BASELINE}'
             )
-            raise BearingTwinError(msg)
         self._given = law
         self._bearing = bearing
         self._kept = SeriesMemory()

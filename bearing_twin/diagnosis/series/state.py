@@ -56,8 +56,7 @@ class SeriesMemory:
         named = all(place in PLACES for place in places)
         if self.held not in LEVELS or not named or self.doubt not in ('', *WHY):
             said = f'level {self.held!r:.60}, places {places!r:.60} or rule {self.doubt!r:.60}'
-            msg = f'saved {said} is invalid; use what save() returned'
-            raise BearingTwinError(msg)
+            raise BearingTwinError(f'saved {said} is invalid; use what save() returned')
 
     def leave_out(self, reason: str) -> None:
         """Count a snapshot that is not judged."""
