@@ -80,8 +80,30 @@ class AdapterNode(ManagedNode):
         super().__init__('adapter', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse parameters that contradict each other."""
-        check_adapter(values)
+        """
+        Refuse parameters that contradict each other.
+
+        Raises
+        ------
+        BearingTwinError
+            If no channel is chosen, a chosen one does not exist, the sample rate is missing, or
+            the scale is 0.
+
+        """
+        count = 3 if values['source'] == IMU else values['channels']
+        chosen = (values['channel_x'], values['channel_y'])
+        if max(chosen) < 0:
+            raise BearingTwinError('channel_x and channel_y are both -1: choose at least one')
+        if max(chosen) >= count:
+            raise BearingTwinError(
+                f'channel {max(chosen)} does not exist: {values["source"]} has {count}, from 0 on'
+            )
+        if values['source'] == ARRAY and not values['sample_rate']:
+            msg = 'sample_rate=0: a Float32MultiArray does not tell its rate; set it in Hz'
+            raise BearingTwinError(msg)
+        if values['scale'] == 0.0:
+            msg = 'scale=0 would silence the sensor; give the factor from its values to unit'
+            raise BearingTwinError(msg)
 
     def setup(self) -> None:
         """Create the publisher and the status."""
@@ -296,32 +318,6 @@ class AdapterNode(ManagedNode):
                 'stamp them where the sensor is read, or send blocks (source float32_multi_array)'
             )
         return Level.OK, 'samples are fresh'
-
-
-def check_adapter(values: Mapping[str, Any]) -> None:
-    """
-    Refuse parameters that contradict each other.
-
-    Raises
-    ------
-    BearingTwinError
-        If no channel is chosen, a chosen one does not exist, the sample rate is missing, or the
-        scale is 0.
-
-    """
-    count = 3 if values['source'] == IMU else values['channels']
-    chosen = (values['channel_x'], values['channel_y'])
-    if max(chosen) < 0:
-        raise BearingTwinError('channel_x and channel_y are both -1: choose at least one')
-    if max(chosen) >= count:
-        msg = f'channel {max(chosen)} does not exist: {values["source"]} has {count}, from 0 on'
-        raise BearingTwinError(msg)
-    if values['source'] == ARRAY and not values['sample_rate']:
-        msg = 'sample_rate=0: a Float32MultiArray does not tell its rate; set it in Hz'
-        raise BearingTwinError(msg)
-    if values['scale'] == 0.0:
-        msg = 'scale=0 would silence the sensor; give the factor from its values to unit'
-        raise BearingTwinError(msg)
 
 
 def check_layout(layout: MultiArrayLayout, channels: int, *, interleaved: bool) -> None:

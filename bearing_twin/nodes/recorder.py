@@ -238,7 +238,10 @@ class RecorderNode(ManagedNode):
         return ''
 
     def _snapshot(self) -> str:
-        self._watch.snapshot(self.get_clock().now().nanoseconds)
+        if not isinstance(self._writer, SnapshotWriter):
+            msg = "everything is being recorded; snapshots need the parameter 'snapshot'"
+            raise BearingTwinError(msg)
+        self._writer.trigger(self.get_clock().now().nanoseconds)
         return str(self._writer.path)
 
     def _status(self) -> Status:

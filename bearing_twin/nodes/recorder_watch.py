@@ -119,21 +119,6 @@ class RecordingWatch:
             with self._looking_at(f'the configuration of {node}'):
                 self._attach(node, self._unread.pop(node))
 
-    def snapshot(self, now: int) -> None:
-        """
-        Write a snapshot.
-
-        Raises
-        ------
-        BearingTwinError
-            If the node records continuously, or the file cannot be created.
-
-        """
-        if not isinstance(self._writer, SnapshotWriter):
-            msg = "everything is being recorded; snapshots need the parameter 'snapshot'"
-            raise BearingTwinError(msg)
-        self._writer.trigger(now)
-
     def close(self) -> None:
         """Attach the remaining parameters; finish the Rerun recording."""
         self.read(LONGEST_READ)
