@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Nodes as processes that need not load anything.
+Nodes and commands as processes that need not load anything.
 
 They are forked from a process that has loaded libraries and kernels, which is most of what a start
-costs, and then run the code of a real start. How a node starts is shown by the tests of arguments,
-interrupts, launching and compiling, which start it as a user does.
+costs, and then run the code of a real start. How a node or a command starts is shown by the tests
+of the terminal, of interrupts, launching and compiling, which start it as a user does.
 """
 
 from __future__ import annotations
@@ -16,16 +16,19 @@ import os
 from pathlib import Path
 import subprocess
 import sys
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from bearing_twin.ros.processes.launching import NodeProcesses
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from multiprocessing.context import ForkServerProcess
     from typing import BinaryIO
 
 _FORKING = multiprocessing.get_context('forkserver')
 _FORKING.set_forkserver_preload(['preloaded'])
+_COMMAND = 'import sys; from bearing_twin.start import command; sys.exit(command())'
 
 
 class ForkedNodes(NodeProcesses):
@@ -34,13 +37,24 @@ class ForkedNodes(NodeProcesses):
     def _begin(self, words: list[str], log: BinaryIO) -> subprocess.Popen[bytes]:
         if words[0] != sys.executable:
             return super()._begin(words, log)
-        _ensure_server()
-        node = _FORKING.Process(target=_run, args=(words, log.name, self._environment))
-        node.start()
-        return _Forked(node)  # type: ignore[return-value]
+        return _fork(words[2:], self._environment, log.name, log.name)  # type: ignore[return-value]
 
 
-class _Forked:
+def start_command(*words: object, out: Path) -> Forked:
+    """Start ``bearing-twin`` with some words; a file gets all that it says."""
+    return _fork([_COMMAND, *map(str, words)], os.environ, str(out), str(out))
+
+
+def run_command(*words: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run ``bearing-twin`` with some words to its end, as `commands.python` runs Python."""
+    with TemporaryDirectory() as folder:
+        said = [Path(folder) / name for name in ('out', 'err')]
+        command = _fork([_COMMAND, *map(str, words)], os.environ | environment, *map(str, said))
+        status = command.wait(600.0)
+        return subprocess.CompletedProcess(words, status, *(file.read_text() for file in said))
+
+
+class Forked:
     """A forked process with the methods of `subprocess.Popen` that are used of one."""
 
     def __init__(self, process: ForkServerProcess) -> None:
@@ -68,6 +82,14 @@ class _Forked:
         self._process.kill()
 
 
+def _fork(words: list[str], environment: Mapping[str, str], out: str, err: str) -> Forked:
+    """Run ``python -c WORDS`` in a forked process, whose output is added to files."""
+    _ensure_server()
+    process = _FORKING.Process(target=_run, args=(words, dict(environment), out, err))
+    process.start()
+    return Forked(process)
+
+
 def _ensure_server() -> None:
     """Start the process to fork from, once; Python 3.11 does not tell it where modules are."""
     before = os.environ.get('PYTHONPATH')
@@ -81,12 +103,11 @@ def _ensure_server() -> None:
             os.environ['PYTHONPATH'] = before
 
 
-def _run(words: list[str], log: str, environment: dict[str, str]) -> None:
-    """Run ``python -c CODE ARGUMENTS`` in this process."""
-    with Path(log).open('ab') as out:
-        for number in (1, 2):
-            os.dup2(out.fileno(), number)
+def _run(words: list[str], environment: dict[str, str], out: str, err: str) -> None:
+    for number, name in ((1, out), (2, err)):
+        with Path(name).open('ab') as file:
+            os.dup2(file.fileno(), number)
     os.environ.clear()
     os.environ.update(environment)
-    sys.argv = ['-c', *words[3:]]
-    exec(words[2], {'__name__': '__main__'})
+    sys.argv = ['-c', *words[1:]]
+    exec(words[0], {'__name__': '__main__'})

@@ -11,6 +11,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from commands import python
+from forked import run_command
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 
@@ -35,7 +36,7 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
     ],
 )
 def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
-    ran = python('-m', 'bearing_twin', 'run', 'twin', *words)
+    ran = run_command('run', 'twin', *words)
     assert ran.returncode == status
     assert text in ran.stderr
     assert 'Traceback' not in ran.stderr
@@ -58,9 +59,8 @@ def test_what_rclpy_cannot_begin_with_is_said_in_a_sentence(
     path = tmp_path / 'a.yaml'
     if content is not None:
         path.write_bytes(content)
-    words = ['recorder', '--ros-args', '--params-file', str(path)]
-    environment = {**os.environ, 'ROS_DOMAIN_ID': domain or os.environ['ROS_DOMAIN_ID']}
-    ran = python('-m', 'bearing_twin', 'run', *words, env=environment, cwd=tmp_path)
+    words = ['recorder', '--ros-args', '--params-file', path]
+    ran = run_command('run', *words, ROS_DOMAIN_ID=domain or os.environ['ROS_DOMAIN_ID'])
     assert ran.returncode == 2
     assert 'Traceback' not in ran.stderr
     assert 'recorder: failed to initialize rcl' in ran.stderr
@@ -82,12 +82,11 @@ def test_a_network_that_cannot_be_joined_is_named(
 ):
     samples = tmp_path / 'samples.csv'
     samples.write_text('acc\n' + '0.1\n-0.1\n' * 500)
-    environment = {**os.environ, variable: value}
     for command, expected in (
         (['run', 'adapter', '--ros-args', '-p', 'sample_rate:=1000.0'], status),
         (['play', samples, '--rate', '1000'], 1),
     ):
-        ran = python('-m', 'bearing_twin', *command, env=environment)
+        ran = run_command(*command, **{variable: value})
         assert ran.returncode == expected, ran.stderr
         assert text in ran.stderr
         assert 'Traceback' not in ran.stderr
@@ -212,7 +211,7 @@ def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path):
 )
 def test_what_rclpy_refuses_is_one_sentence(ros_domain, given, said):
     words = ['run', 'adapter', '--ros-args', '-p', 'sample_rate:=25600.0', '-p', given]
-    ran = python('-m', 'bearing_twin', *words)
+    ran = run_command(*words)
     assert ran.returncode == 2
     assert said in ran.stderr
     assert 'Traceback' not in ran.stderr
@@ -223,7 +222,7 @@ def test_a_dump_of_the_parameters_can_be_given_again(ros_domain, tmp_path):
     dump = tmp_path / 'dump.yaml'
     # As ros2 param dump writes it: ROS reads this axis as true.
     dump.write_text('/diagnosis:\n  ros__parameters: {axis: y, window: 0.01}\n')
-    ran = python(*['-m', 'bearing_twin', 'run', 'diagnosis', '--ros-args', '--params-file'], dump)
+    ran = run_command('run', 'diagnosis', '--ros-args', '--params-file', dump)
     # Only the window, which is wrong by intention, is refused.
     assert ran.returncode == 2
     assert 'diagnosis: window=0.01 is outside' in ran.stderr

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A file played as a sensor arrives sample for sample, in time."""
 
-import subprocess
-import sys
+from functools import partial
+from signal import SIGTERM
 import time
 
+from forked import run_command, start_command
 import numpy as np
 import pytest
 from scipy.io import savemat, wavfile
@@ -28,9 +29,10 @@ def files(tmp_path):
     return tmp_path
 
 
-def play(*words):
-    command = [sys.executable, '-m', 'bearing_twin', 'play', *map(str, words)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+@pytest.fixture
+def play(tmp_path):
+    """Return a function that begins to play a file; what is said comes into ``said``."""
+    return partial(start_command, 'play', out=tmp_path / 'said')
 
 
 def stamp(message):
@@ -45,28 +47,30 @@ def stamp(message):
         ('a.csv', ('--channel', 'x'), 1.0),
     ],
 )
-def test_blocks_without_a_stamp_come_at_the_rate_of_the_file(probe, files, name, words, scale):
+def test_blocks_without_a_stamp_come_at_the_rate_of_the_file(
+    probe, files, play, name, words, scale
+):
     from std_msgs.msg import Float32MultiArray
 
     came = probe.collect(Float32MultiArray, '/fan/accel')
     began = time.monotonic()
     playing = play(files / name, *words, '--topic', '/fan/accel')
     probe.until(lambda: playing.poll() is not None, 'the end of the file')
-    assert playing.returncode == 0, playing.stdout.read()
+    assert playing.returncode == 0, (files / 'said').read_text()
     assert time.monotonic() - began >= SIGNAL.size / RATE
     probe.until(lambda: sum(len(m.data) for m in came) == SIGNAL.size, 'the last samples')
     samples = np.concatenate([m.data for m in came])
     assert np.array_equal(samples, (SIGNAL * scale).astype(np.float32))
 
 
-def test_blocks_of_vibration_go_on_over_the_end_of_a_loop(probe, files):
+def test_blocks_of_vibration_go_on_over_the_end_of_a_loop(probe, files, play):
     from bearing_twin_msgs.msg import Vibration
 
     came = probe.collect(Vibration, '/vibration')
     playing = play(files / 'a.npz', '--as', 'vibration', '--loop', '--speed', 3, '--unit', 'g')
     probe.until(lambda: len(came) >= 8, 'more than one round')
-    playing.terminate()
-    assert playing.wait(120) == 0, playing.stdout.read()
+    playing.send_signal(SIGTERM)
+    assert playing.wait(120) == 0, (files / 'said').read_text()
     first, *_, last = came
     assert (first.unit, first.shaft_hz, first.source) == ('g', 10.0, Vibration.SOURCE_MEASURED)
     assert [m.first_sample for m in came] == [1024 * k for k in range(len(came))]
@@ -75,7 +79,7 @@ def test_blocks_of_vibration_go_on_over_the_end_of_a_loop(probe, files):
     assert np.array_equal(samples, np.resize(SIGNAL, samples.size))
 
 
-def test_single_samples_have_their_own_stamps(probe, files):
+def test_single_samples_have_their_own_stamps(probe, files, play):
     from sensor_msgs.msg import Imu
 
     came = probe.collect(Imu, '/imu', depth=SIGNAL.size)
@@ -87,14 +91,14 @@ def test_single_samples_have_their_own_stamps(probe, files):
     assert came[0].header.frame_id == 'fan'
 
 
-def test_a_file_in_g_is_an_imu_in_metres_and_no_unit_stays_unknown(probe, files):
+def test_a_file_in_g_is_an_imu_in_metres_and_no_unit_stays_unknown(probe, files, play):
     from bearing_twin_msgs.msg import Vibration
     from sensor_msgs.msg import Imu
 
     came, blocks = probe.collect(Imu, '/imu', depth=SIGNAL.size), probe.collect(Vibration, '/v')
     playing = play(files / 'a.npz', '--as', 'imu', '--unit', 'g', '--speed', 0.5)
     probe.until(lambda: len(came) >= 100, 'some samples')
-    playing.terminate()
+    playing.send_signal(SIGTERM)
     found = np.array([m.linear_acceleration.x for m in came[:100]])
     assert found == pytest.approx(9.80665 * SIGNAL[:100], rel=1e-6)
     playing.wait(120)
@@ -111,7 +115,6 @@ def test_what_cannot_be_played_is_refused_with_the_remedy(files):
         (('a.npz', '--block', 0), '--block 0'),
         (('volt.npz', '--as', 'imu'), 'is in V, an Imu in m/s^2'),
     ):
-        playing = play(files / words[0], *words[1:])
-        output, _ = playing.communicate(timeout=120)
-        assert playing.returncode == 1
-        assert said in output
+        played = run_command('play', files / words[0], *words[1:])
+        assert played.returncode == 1
+        assert said in played.stderr

@@ -6,8 +6,6 @@ from __future__ import annotations
 
 import math
 import random
-import subprocess
-import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -19,6 +17,7 @@ from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import WriterOptions
 from cases import in_proofs
 from copies import raw_recording
+from forked import run_command
 from fuzzing import clean, fuzz, KINDS, mutate, SECONDS, seeds, until
 from mcap.opcode import Opcode
 import pytest
@@ -151,8 +150,7 @@ def test_a_type_that_holds_itself_is_not_given_to_rerun(tmp_path: Path) -> None:
             for k in range(5):
                 writer.add_message(channel, k, b'\0\1\0\0' + bytes(8), k)
     # In a process of its own: it ended in a stack overflow of Rerun's.
-    words = [sys.executable, '-m', 'bearing_twin', 'view', str(path), '--save', str(picture)]
-    ran = subprocess.run(words, capture_output=True, text=True, check=False)
+    ran = run_command('view', path, '--save', picture)
     assert ran.returncode == 0, ran.stderr
     for topic in ('/itself', '/twice'):
         assert f'{topic} is not drawn: the schema of a/msg/B cannot be read' in ran.stderr

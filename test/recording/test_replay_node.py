@@ -6,15 +6,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 import os
-import subprocess
-import sys
 import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
-from forked import ForkedNodes
+from forked import ForkedNodes, run_command
 import pytest
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, TEMPERATURE, temperature_cdr, write_blocks
@@ -81,14 +79,7 @@ def test_paused_stepped_resumed(ros_domain: int, tmp_path: Path) -> None:
 
 def test_command_line(ros_domain: int, tmp_path: Path) -> None:
     write_blocks(tmp_path / 'run', 10)
-    words = [sys.executable, '-m', 'bearing_twin', 'replay']
-    ran = subprocess.run(
-        [*words, tmp_path / 'run', '--rate', '10', '--topics', '/temperature'],
-        capture_output=True,
-        text=True,
-        timeout=TIMEOUT,
-        check=False,
-    )
+    ran = run_command('replay', tmp_path / 'run', '--rate', '10', '--topics', '/temperature')
     assert ran.returncode == 0
     assert '10 messages' in ran.stderr + ran.stdout
     # What no recording could change has a status of its own: a supervisor need not try again.
@@ -109,9 +100,7 @@ def test_command_line(ros_domain: int, tmp_path: Path) -> None:
         ),
         ([tmp_path / 'run', '--offline'], 'name it with -o', 1),
     ):
-        ran = subprocess.run(
-            [*words, *wrong], capture_output=True, text=True, timeout=TIMEOUT, check=False
-        )
+        ran = run_command('replay', *wrong)
         assert ran.returncode == status
         assert text in ran.stderr + ran.stdout
         assert 'Traceback' not in ran.stderr
