@@ -40,9 +40,9 @@ class ForkedNodes(NodeProcesses):
         return _fork(words[2:], self._environment, log.name, log.name)  # type: ignore[return-value]
 
 
-def start_command(*words: object, out: Path) -> Forked:
-    """Start ``bearing-twin`` with some words; a file gets all that it says."""
-    return _fork([_COMMAND, *map(str, words)], os.environ, str(out), str(out))
+def start_command(*words: object, out: Path, **environment: str) -> Forked:
+    """Start ``bearing-twin`` with some words; a file or a terminal gets all that it says."""
+    return _fork([_COMMAND, *map(str, words)], os.environ | environment, str(out), str(out))
 
 
 def run_command(*words: object, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -107,6 +107,7 @@ def _run(words: list[str], environment: dict[str, str], out: str, err: str) -> N
     for number, name in ((1, out), (2, err)):
         with Path(name).open('ab') as file:
             os.dup2(file.fileno(), number)
+    sys.stdout, sys.stderr = (os.fdopen(number, 'w', 1, closefd=False) for number in (1, 2))
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = ['-c', *words[1:]]

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command as a person types it: help, completion, colours, and what fails at once."""
 
+import contextlib
 import os
 from pathlib import Path
 import pty
@@ -16,6 +17,7 @@ from bearing_twin.cli import COMMANDS, main
 from bearing_twin.cli.run import NODES
 from bearing_twin.cli.terminal import report_compiling
 from commands import python
+from forked import run_command, start_command
 import numpy as np
 from probe import TIMEOUT
 import pytest
@@ -98,23 +100,15 @@ def test_a_shell_completes_commands_options_and_choices(tmp_path):
     assert '--bearing' in complete('bearing-twin diagnose --be')
 
 
-def run_in_terminal(words, command=COMMAND, **environment):
-    """Return what a command writes to a terminal."""
+def in_terminal(start):
+    """Return what a process writes to a terminal, given the path of that to start it."""
     ours, theirs = pty.openpty()
-    ran = subprocess.Popen(
-        [*command, *words], stdout=theirs, stderr=theirs, env=os.environ | environment
-    )
+    start(Path(os.ttyname(theirs))).wait(TIMEOUT)
     os.close(theirs)
     text = b''
-    while True:
-        try:
-            part = os.read(ours, 65536)
-        except OSError:
-            break
-        if not part:
-            break
-        text += part
-    ran.wait(TIMEOUT)
+    with contextlib.suppress(OSError):
+        while part := os.read(ours, 65536):
+            text += part
     os.close(ours)
     return text.decode()
 
@@ -128,7 +122,12 @@ report_compiling('info')
 numba.njit(lambda x: x + 1)(1)
 report_compiling('fit')
 """
-    said = run_in_terminal([script], [sys.executable, '-c'])
+
+    def start(terminal):
+        with terminal.open('wb') as out:
+            return subprocess.Popen([sys.executable, '-c', script], stdout=out, stderr=out)
+
+    said = in_terminal(start)
     assert said.count('compiling kernels') == 1
     assert said.startswith('bearing-twin fit: compiling kernels')
     assert python('-c', script).stderr == ''
@@ -147,19 +146,24 @@ def test_colours_in_a_terminal_and_nowhere_else(tmp_path):
 
     path = tmp_path / 'inner.npz'
     np.savez(path, x=fault_signal(2.0), fs=RATE, rpm=60.0 * SHAFT_HZ)
-    words = ['diagnose', str(path), '--bearing', '6307']
-    assert '\x1b[1;31minner [fault]\x1b[0m' in run_in_terminal(words, NO_COLOR='', TERM='xterm')
-    assert '\x1b' not in run_in_terminal(words, NO_COLOR='1', TERM='xterm')
-    piped = subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=True)
-    assert '\x1b' not in piped.stdout
-    assert 'inner [fault]' in piped.stdout
+    words = ['diagnose', path, '--bearing', '6307']
+
+    def said(**environment):
+        return in_terminal(lambda out: start_command(*words, out=out, TERM='xterm', **environment))
+
+    assert '\x1b[1;31minner [fault]\x1b[0m' in said(NO_COLOR='')
+    assert '\x1b' not in said(NO_COLOR='1')
+    file = run_command(*words, NO_COLOR='', TERM='xterm')
+    assert '\x1b' not in file.stdout
+    assert 'inner [fault]' in file.stdout
 
 
 def test_an_answer_takes_the_line_of_progress_away(tmp_path):
     for name in ('a', 'b'):
         np.savez(tmp_path / f'{name}.npz', x=np.zeros(100), fs=1000.0, rpm=600.0)
-    files = [str(tmp_path / f'{name}.npz') for name in ('a', 'b')]
-    said = run_in_terminal(['diagnose', *files, '--bearing', '6307', '--jobs', '1'])
+    files = [tmp_path / f'{name}.npz' for name in ('a', 'b')]
+    words = ['diagnose', *files, '--bearing', '6307', '--jobs', '1']
+    said = in_terminal(lambda terminal: start_command(*words, out=terminal))
     # What comes after a line without an end begins at its start, on an empty line.
     assert '1 of 2 files\x1b[K\r\x1b[K' in said
     assert said.endswith('\r2 of 2 files\x1b[K\r\n')
@@ -342,12 +346,12 @@ def test_what_cannot_be_said_is_no_success():
 
 
 @pytest.mark.parametrize('fit', ['/dev/zero', '-'])
-def test_what_has_no_end_is_no_fit(fit):
-    with Path('/dev/zero').open('rb') as zeros:
-        ran = subprocess.run([*COMMAND, 'whatif', fit], stdin=zeros, capture_output=True)
-    assert ran.returncode == 1
+def test_what_has_no_end_is_no_fit(fit, monkeypatch, capsys):
+    with Path('/dev/zero').open() as zeros:
+        monkeypatch.setattr(sys, 'stdin', zeros)
+        assert main(['whatif', fit]) == 1
     said = f'bearing-twin whatif: {fit} holds no fit (more than 67108864 characters); write one'
-    assert ran.stderr.decode().startswith(said)
+    assert capsys.readouterr().err.startswith(said)
 
 
 @pytest.mark.parametrize(
