@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import gc
 import itertools
 import json
 import os
@@ -43,6 +44,10 @@ def _end_all(*_: object) -> None:
 
 signal.signal(signal.SIGTERM, _end_all)
 
+# Libraries make hundreds of thousands of objects that stay. To look for garbage among them while
+# they are loaded takes a third of that time, and does so again in the tests.
+gc.disable()
+
 # How long an example takes says how busy the machine is.
 settings.register_profile('untimed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile('untimed')
@@ -63,6 +68,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         kinds[any(test.get_closest_marker('ros') for test in tests)].append(path)
     places = {p: (k + 0.5) / len(some) for some in kinds.values() for k, p in enumerate(some)}
     items.sort(key=lambda i: (i.get_closest_marker('vulkan') is None, places[i.path]))
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage from now on, and not among what the tests have loaded."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope='session')
