@@ -487,23 +487,18 @@ def test_a_frozen_viewer_holds_nothing_up(recordings, tmp_path):
 
 
 def test_the_command_writes_a_picture_and_leaves_nothing_else(short, tmp_path, monkeypatch):
-    target, temporary = tmp_path / 'shot.png', tmp_path / 'temporary'
+    """Of a recording with a name in any script."""
+    named, temporary = tmp_path / 'fan 軸受 ünïcode', tmp_path / 'temporary'
+    named.symlink_to(short)
+    target = tmp_path / 'shot.png'
     temporary.mkdir()
     monkeypatch.setenv('TMPDIR', str(temporary))
     monkeypatch.setattr(tempfile, 'tempdir', str(temporary))
-    arguments = ['view', str(short), '--screenshot', str(target), '--size', '900x600']
+    arguments = ['view', str(named), '--screenshot', str(target), '--size', '900x600']
     assert cli.main([*arguments, '--at', '2']) == 0
     assert matplotlib.image.imread(target).shape[:2] == (600, 900)
     assert cli.main([*arguments, '--at', '2000']) == 1
     assert list(temporary.iterdir()) == []
-
-
-def test_a_recording_with_a_name_in_any_script_has_a_picture(short, tmp_path):
-    named = tmp_path / 'fan 軸受 ünïcode'
-    named.symlink_to(short)
-    target = tmp_path / 'shot.png'
-    assert cli.main(['view', str(named), '--screenshot', str(target), '--size', '900x600']) == 0
-    assert target.exists()
 
 
 def test_a_letter_that_the_viewer_lacks_is_named(short, tmp_path):
