@@ -50,8 +50,8 @@ All nodes are lifecycle nodes. With `autostart` (the default) a node configures 
 itself, as `ros2 run` expects; with `autostart:=false` it waits for `ros2 lifecycle set` or a
 lifecycle manager. Topic names are relative, so namespaces and remaps work; `/diagnostics` is
 absolute. Where the quality of service is marked with \\*, it can be overridden at start with the
-parameters `qos_overrides./TOPIC.publisher.reliability`, `.history` and `.depth` (for inputs
-`.subscription.`), TOPIC being the full name.
+parameters `qos_overrides./TOPIC.publisher.reliability`, `.history` and `.depth` (1 .. 10000; for
+inputs `.subscription.`), TOPIC being the full name.
 
 A change of parameters is checked as a whole and accepted or refused as a whole. Parameters with
 "no" in the column "running" can be changed only while the node is not configured.

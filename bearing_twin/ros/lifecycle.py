@@ -161,9 +161,6 @@ class ManagedNode(LifecycleNode):
         result = self._attempt_or_undo(self.setup, self._unconfigured)
         if result == TransitionCallbackReturn.SUCCESS:
             self.configured = True
-            # Not an error: a parameter file may be shared with other nodes.
-            for sentence in unknown_at_start(self):
-                self.get_logger().warning(sentence)
             # A full garbage collection takes tens of milliseconds with these libraries loaded.
             # Freeze the present objects, so that the collector skips them. The next configuration
             # frees objects that an earlier one has left.
@@ -183,6 +180,11 @@ class ManagedNode(LifecycleNode):
         self.active = result == TransitionCallbackReturn.SUCCESS
         if not self.active:
             super().on_deactivate(state)
+            return result
+        # Not an error: a parameter file may be shared with other nodes. Only now all topics are
+        # known, whose QoS can be given.
+        for sentence in unknown_at_start(self):
+            self.get_logger().warning(sentence)
         return result
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:

@@ -37,11 +37,7 @@ TYPES = {kind.value for kind in Parameter.Type}
 def unknown_at_start(node: Node) -> list[str]:
     """Return a sentence on each parameter given at start that the node does not have."""
     names = node.list_parameters([], 0).names
-    return [
-        no_parameter(name, names)
-        for name in node._parameter_overrides
-        if name not in names and not name.startswith('qos_overrides.')
-    ]
+    return [no_parameter(name, names) for name in node._parameter_overrides if name not in names]
 
 
 def read_as_at_start(node: Node, callback: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:

@@ -119,15 +119,18 @@ def test_a_node_needs_no_home(ros_domain, probe, tmp_path, monkeypatch, home):
 
 @pytest.mark.ros
 def test_what_is_given_is_taken_as_meant_or_refused_by_name(nodes, probe, tmp_path):
-    nodes.start('twin', {'bearing': 6307, 'noise': 0, 'lod': 500.0})
-    probe.until_active('/twin')
-    assert probe.get_parameters('/twin', 'bearing', 'noise') == ['6307', 0.0]
-    assert (
-        "there is no parameter 'lod'; the nearest are load,"
-        in (tmp_path / 'logs/twin.log').read_text()
-    )
+    # The twin is in a namespace, and so is its topic.
+    depth, meant = (f'qos_overrides.{ns}/vibration.publisher.depth' for ns in ('', '/twin'))
+    words = {'bearing': 6307, 'noise': 0, 'lod': 500.0, depth: 99}
+    nodes.start('twin', words, ros=('-r', '__ns:=/twin'))
+    probe.until_active('/twin/twin')
+    assert probe.get_parameters('/twin/twin', 'bearing', 'noise') == ['6307', 0.0]
+    log = (tmp_path / 'logs/twin.log').read_text
+    for name, near in (('lod', 'load,'), (depth, f'{meant},')):
+        said = f"there is no parameter '{name}'; the nearest are {near}"
+        probe.until(lambda said=said: said in log(), said)
     # Simulated time is not switched on under a running node.
-    accepted, reason = probe.set_parameters('/twin', use_sim_time=True)
+    accepted, reason = probe.set_parameters('/twin/twin', use_sim_time=True)
     assert not accepted
     assert 'use_sim_time' in reason
 
@@ -207,6 +210,7 @@ def test_a_file_of_assets_is_checked_as_every_other_input(ros_domain, tmp_path):
         ('use_sim_time:=yes please', "'use_sim_time' to 'yes please' of type 'STRING'"),
         ('qos_overrides./vibration.publisher.depth:=deep', "to 'deep' of type 'STRING'"),
         ('qos_overrides./vibration.publisher.reliability:=relable', '`reliability`: `relable`'),
+        ('qos_overrides./vibration.publisher.depth:=-1', 'depth=-1 is outside 1..10000'),
     ],
 )
 def test_what_rclpy_refuses_is_one_sentence(ros_domain, given, said):

@@ -8,6 +8,7 @@ import copy
 import math
 from typing import Any, TYPE_CHECKING
 
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from rclpy.lifecycle.publisher import LifecyclePublisher
 
 
+DEEPEST = 10_000
+"""Largest depth of a queue, messages."""
 HELD = 2.0
 """Duration of the blocks that a publisher keeps for subscribers that missed one, s."""
 
@@ -50,7 +53,15 @@ RESULT = profile(10)
 CHECKPOINT = profile(1, latched=True)
 """Checkpoints: a recorder that starts late still receives the last one."""
 
-OVERRIDES = QoSOverridingOptions.with_default_policies()
+
+def _check_depth(profile: QoSProfile) -> SetParametersResult:
+    """Refuse a depth that the middleware cannot queue, or would silently take for its own."""
+    successful = 1 <= profile.depth <= DEEPEST
+    reason = f'depth={profile.depth} is outside 1..{DEEPEST}; choose a value inside'
+    return SetParametersResult(successful=successful, reason='' if successful else reason)
+
+
+OVERRIDES = QoSOverridingOptions.with_default_policies(callback=_check_depth)
 """Users can set history, depth and reliability as ``qos_overrides.TOPIC.publisher.depth``."""
 
 

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.qos import qos_profile, qos_yaml, read_qos
-from bearing_twin.ros.topics.qos import profile
+from bearing_twin.ros.topics.qos import DEEPEST, profile
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 SUBSCRIPTION_DEPTH = 500
 """Messages queued while a slow disk delays the recorder: 20 s of blocks of 40 ms."""
-DEEPEST = 10_000
 
 
 def message_class(type_name: str) -> Any:
