@@ -79,6 +79,7 @@ class BlockCycle:
         self._statistics = CycleStatistics()
         self._began = 0.0
         self._busy = 0.0
+        self._steps = 0
         self._more = False
         self._cycle_began: int | None = None
         self._woken = time.monotonic()
@@ -131,8 +132,10 @@ class BlockCycle:
     def status(self) -> Status:
         """Return the status of the deadlines for /diagnostics."""
         asleep = time.monotonic() - self._woken
+        report = self._pacer.report()
+        jumped, self._steps = report.clock_steps > self._steps, report.clock_steps
         return realtime.status(
-            self._pacer.report(),
+            report,
             self._statistics,
             self._parameters.values,
             period=self.period,
@@ -140,6 +143,7 @@ class BlockCycle:
             active=self._node.active,
             simulated=self._simulated,
             still=self._simulated and asleep > STILL_AFTER + self.period,
+            clocks=self._node.count_publishers('/clock') if self._simulated and jumped else 0,
         )
 
     def _now(self) -> int:

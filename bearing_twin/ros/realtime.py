@@ -92,6 +92,7 @@ def status(
     active: bool,
     simulated: bool,
     still: bool,
+    clocks: int,
 ) -> Status:
     """
     Return the status of the deadlines for /diagnostics.
@@ -111,6 +112,8 @@ def status(
     active, simulated, still
         Whether the node publishes, whether /clock paces it, and whether /clock stands still. In
         simulated time the thresholds do not apply, because blocks follow the steps of /clock.
+    clocks
+        Number of publishers of /clock, if its time has jumped since the last status.
 
     """
     periodicity, execution = cycles.periodicity, cycles.execution_time
@@ -134,6 +137,8 @@ def status(
         texts.insert(0, f'{report.recently_dropped} of the last blocks dropped')
     if not active:
         level, texts = Level.OK, ['not active']
+    elif clocks > 1:
+        level, texts = Level.ERROR, [f'{clocks} publishers of /clock, whose times differ: end one']
     elif still:
         level, texts = Level.OK, ['/clock stands still, so no blocks are published']
     return Status(

@@ -246,6 +246,19 @@ def test_simulated_time_stands_still_runs_faster_and_jumps_back(nodes, probe):
         'the start of /clock and its jump counted',
     )
     assert probe.statuses[name][2]['blocks_dropped'] == '0'
+
+    # A replay with /clock beside the simulation: neither time lasts until a block ends.
+    other = probe.node.create_publisher(Clock, '/clock', 10)
+
+    def tell():
+        probe.publish('/clock', Clock(clock=Time(sec=60)))
+        other.publish(Clock(clock=Time(sec=200)))
+
+    said = '2 publishers of /clock, whose times differ'
+    probe.until(lambda: said in probe.status(name).message, said, every=tell)
+    assert probe.status(name).level == ERROR
+    probe.node.destroy_publisher(other)
+    probe.until_still('twin')
     assert nodes.end('twin') == 0
 
 
