@@ -28,6 +28,8 @@ import pytest
 if TYPE_CHECKING:
     import subprocess
 
+    from probe import Probe
+
 HOOK = """
 import os, signal, sys
 
@@ -64,6 +66,19 @@ def test_a_second_interrupt_leaves_no_torn_recording(
         assert nodes.end('recorder') == 0
     assert recording_info(bag).finished
     assert (bag / 'metadata.yaml').exists()
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('name', ['adapter', 'twin'])
+def test_a_node_that_has_ended_is_known_no_longer(
+    nodes: NodeProcesses, probe: Probe, name: str
+) -> None:
+    nodes.start(name, {'sample_rate': 25600.0})
+    probe.until_active(name)
+    assert nodes.end(name) == 0
+    # The middleware forgets a node that is only killed after 20 s.
+    known = probe.node.get_node_names
+    probe.until(lambda: name not in known(), 'its leave', timeout=10.0)
 
 
 @pytest.mark.ros

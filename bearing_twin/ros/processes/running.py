@@ -168,6 +168,10 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         finally:
             if node is not None:
                 node.shut_down()
+                # Others would count on the node for 20 s after its end. rclpy keeps the state
+                # machine, and with it the participant.
+                node.destroy_node()
+                node._state_machine.destroy_when_not_in_use()
             # A signal may shut down the context at the same time, in a thread of rclpy.
             with contextlib.suppress(RCLError):
                 rclpy.try_shutdown()
