@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 PLAIN = str.maketrans({'"': "'", '\n': ' ', '\\': '/'})
 PARTS = 64
 """Most statuses per message: they take 1 to 2 ms, which a block can wait."""
+NAMESAKE_AFTER = 30.0
+"""Time after which a second node of one name counts: a killed one stays known for 20 s."""
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')
 
 
@@ -84,6 +86,7 @@ class Health:
         self.hardware_id = hardware_id.strip('/') or node.get_name()
         self._node = node
         self._spells: dict[str, _Spell] = {}
+        self._unique = time.monotonic()
         self.tasks: dict[str, tuple[Callable[[], Status], str]] = {}
         """Function that returns the status, and the asset, by part."""
         self._turn = 0
@@ -111,6 +114,8 @@ class Health:
         begin, self._turn = self._turn, self._turn + PARTS
         for part, (task, hardware_id) in islice(self.tasks.items(), begin, self._turn):
             status = task()
+            if begin == 0 and not array.status and (why := self._namesake()):
+                status = status._replace(level=Level.ERROR, message=f'{why}; {status.message}')
             self._log(part, status)
             level, message, values, _ = status
             array.status.append(
@@ -125,6 +130,16 @@ class Health:
         self._publisher.publish(array)
         if self._turn >= len(self.tasks):
             self._turn = 0
+
+    def _namesake(self) -> str:
+        """Return that another node has the name of this one; '' if there is none."""
+        us, now = (self._node.get_name(), self._node.get_namespace()), time.monotonic()
+        if self._node.get_node_names_and_namespaces().count(us) < 2:
+            self._unique = now
+        if now - self._unique < NAMESAKE_AFTER:
+            return ''
+        name = self._node.get_fully_qualified_name()
+        return f'another node is called {name}, too: end it, or give it another name or namespace'
 
     def _log(self, part: str, status: Status) -> None:
         key = (status.level, status.kind or NUMBER.sub('', status.message))

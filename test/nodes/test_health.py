@@ -114,6 +114,34 @@ def test_what_a_status_speaks_of_is_never_the_root(node, given, named):
     assert heard[0].status[0].name == 'line1/diagnosis: bearing'
 
 
+def test_a_second_node_of_one_name_is_told(node, nodes, monkeypatch):
+    monkeypatch.setattr('bearing_twin.ros.health.NAMESAKE_AFTER', 0.5)
+    heard = []
+    node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 100)
+    health = Health(node, '')
+    for part in ('vibration input', 'bearing'):
+        health.add(part, lambda: Status(Level.OK, 'fine', {}))
+
+    def until_first(level):
+        """Wait for a level of the first part; return its message and the level of the second."""
+        while True:
+            rclpy.spin_once(node, timeout_sec=0.1)
+            for first, second in (m.status for m in heard if len(m.status) == 2):
+                if first.level == level:
+                    return first.message, second.level
+            heard.clear()
+
+    ok, error = Level.OK.value, Level.ERROR.value
+    assert until_first(ok) == ('fine', ok)
+    named = ('-r', '__ns:=/line1', '-r', '__node:=diagnosis')
+    nodes.start('recorder', {'autostart': False}, ros=named)
+    message, of_second = until_first(error)
+    assert message.startswith('another node is called /line1/diagnosis, too: end it')
+    assert of_second == ok
+    assert nodes.end('recorder') == 0
+    assert until_first(ok) == ('fine', ok)
+
+
 def test_statuses_of_a_large_fleet_are_spread_over_the_second(node):
     heard = []
     node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 100)
