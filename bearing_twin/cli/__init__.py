@@ -49,7 +49,7 @@ COMMANDS = {
     'replay': 'publish a recording again, or run it offline through twin and diagnosis',
     'report': 'show a recording on one HTML page, to be mailed and printed',
     'run': 'run a node, as ros2 run does, with the same arguments',
-    'schedule': 'write the temperature schedule of the paper as a recording',
+    'schedule': 'write a measured temperature, or that of the paper, as a recording',
     'verify': 're-run a recording of twin and diagnosis and compare it byte by byte',
     'view': 'show recordings, or what is running, in Rerun',
     'whatif': 'say what a fitted machine would show at another speed, load, temperature or width',

@@ -1,14 +1,20 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""``bearing-twin schedule``: write the temperature schedule of the paper as a recording."""
+"""``bearing-twin schedule``: write a temperature as a recording to replay."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli.arguments import refuse_topic
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.cli.arguments import refuse_given, refuse_topic
+from bearing_twin.recording.schedule import (
+    paper_schedule,
+    read_temperatures,
+    START,
+    write_temperature_recording,
+)
+import numpy as np
 
 if TYPE_CHECKING:
     import argparse
@@ -19,6 +25,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         '-o', '--output', type=Path, required=True, help='recording to make; never overwritten'
     )
     parser.add_argument(
+        '--from', type=Path, metavar='FILE', dest='measured',
+        help="a measured temperature instead of the paper's: .csv with a column of times (s, or "
+             'dates) and one in degC, or .npz with temp_t_s and temp_C',
+    )  # fmt: skip
+    parser.add_argument(
         '--duration', type=float, default=40.0, help='time from 20 to 110 degC in s (default 40)'
     )
     parser.add_argument('--topic', default='/temperature', help='default /temperature')
@@ -27,11 +38,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the recording."""
     refuse_topic(args.topic)
-    times, temperatures = paper_schedule(args.duration)
-    source = 'schedule of the paper: 20 to 110 degC in proportion to time'
-    write_temperature_recording(args.output, times, temperatures, source=source, topic=args.topic)
+    if args.measured:
+        refuse_given(args, ('duration',), 'not with --from, which has its own')
+        times, temperatures, start = read_temperatures(args.measured)
+        source = f'measured, {args.measured.name}'
+    else:
+        (times, temperatures), start = paper_schedule(args.duration), START
+        source = 'schedule of the paper: 20 to 110 degC in proportion to time'
+    write_temperature_recording(
+        args.output, times, temperatures, source=source, topic=args.topic, start=start
+    )
     print(
         f'{args.output}: {times.size} readings over {times[-1]:.1f} s, '
-        f'{temperatures.min():.1f}..{temperatures.max():.1f} degC'
+        f'{np.nanmin(temperatures):.1f}..{np.nanmax(temperatures):.1f} degC'
     )
     return 0

@@ -4,10 +4,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from datetime import datetime, timezone
+import math
+import re
+from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import sensor_qos
+from bearing_twin.recording.signals.csvfile import table_text
+from bearing_twin.recording.signals.npz import read_npz, temperature_readings
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO, split_ns
@@ -22,6 +27,24 @@ if TYPE_CHECKING:
 
 START = 1_577_836_800 * NANO
 """Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""
+_DATED = 1e9
+"""Times from this one on, s, are dates, as seconds since 1970; smaller ones count from a start."""
+_UNITS = {'ms': 1e-3, 'min': 60.0, 'h': 3600.0}
+"""Units of times other than s, by the last word of the heading."""
+_TEMPERATURE = re.compile(r'temp|.*(°|deg) ?C\b', re.IGNORECASE)
+"""Begin of the heading of a temperature."""
+_OTHER_UNIT = re.compile(r'(°|deg) ?F\b|fahrenheit|[(\[]K[)\]]|kelvin', re.IGNORECASE)
+
+
+class Measured(NamedTuple):
+    """A measured temperature."""
+
+    times: NDArray[np.float64]
+    """Time of each reading, s from the first one, shape (n,)."""
+    temperatures: NDArray[np.float64]
+    """Temperatures, degC, shape (n,); NaN where the logger has no number."""
+    start: int
+    """Time of the first reading, ns since 1970; ``START`` if it is not known."""
 
 
 def is_undated(start: int) -> bool:
@@ -63,6 +86,98 @@ def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray
     return times, 20.0 + 90.0 * times / times[-1]
 
 
+def read_temperatures(path: Path) -> Measured:
+    """
+    Return a measured temperature from a text file of a logger or from an ``.npz`` file.
+
+    The first column of a text file has the times: dates (ISO 8601, UTC if they name no zone),
+    seconds since 1970, or seconds, or what a heading says (ms, min, h). The temperatures, degC,
+    are the column whose heading begins with ``temp`` or has the unit degC, or the only other one.
+    An ``.npz`` file has the arrays ``temp_t_s`` (s) and ``temp_C`` (degC).
+
+    Raises
+    ------
+    BearingTwinError
+        If the file has no such columns or arrays, a time that is none or that falls, or fewer than
+        two temperatures.
+
+    """
+    if path.suffix.lower() == '.npz':
+        arrays = read_npz(path, ('temp_t_s', 'temp_C'))
+        if missing := {'temp_t_s', 'temp_C'} - arrays.keys():
+            raise BearingTwinError(
+                f'{path} has no array {" and no ".join(sorted(missing))}; give both (s, degC)'
+            )
+        times, temperatures = temperature_readings(path, arrays)
+    else:
+        times, temperatures = _columns(path)
+    if np.count_nonzero(np.isfinite(temperatures)) < 2:
+        raise BearingTwinError(f'{path} has fewer than two temperatures; record for longer')
+    falls = np.flatnonzero(~(np.diff(times, prepend=times[0]) >= 0.0))
+    if falls.size:
+        raise BearingTwinError(f'{path}: the time of reading {falls[0] + 1} falls; sort the file')
+    start = round(times[0] * NANO) if times[0] >= _DATED else START
+    return Measured(times - times[0], temperatures, start)
+
+
+def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the times, s, and the temperatures, degC, of a text file."""
+    lines = table_text(path).splitlines()
+    separator = next((s for s in '\t;' if any(s in line for line in lines[:100])), ',')
+    rows = [[field.strip() for field in line.split(separator)] for line in lines]
+    timed = (n for n, row in enumerate(rows) if len(row) > 1 and _seconds(row[0]) is not None)
+    begin = next(timed, None)
+    if begin is None:
+        raise BearingTwinError(f'{path} has no line that begins with a time, and a temperature')
+    heading = rows[begin - 1] if begin else []
+    column = _temperature_column(path, heading, len(rows[begin]))
+    unit = _UNITS.get(re.findall(r'[^\W\d_]+', f's {"".join(heading[:1])}')[-1].lower(), 1.0)
+    times, temperatures = [], []
+    for number, row in enumerate(rows[begin:], start=begin + 1):
+        if not any(row):
+            continue
+        seconds = _seconds(row[0])
+        if seconds is None:
+            raise BearingTwinError(f'{path}: line {number} has no time: {row[0]:.20}')
+        times.append(seconds * unit)
+        temperatures.append(_number(row[column]) if column < len(row) else math.nan)
+    return np.array(times), np.array(temperatures)
+
+
+def _temperature_column(path: Path, heading: list[str], count: int) -> int:
+    """Return the index of the temperatures."""
+    columns = [n for n in range(1, len(heading)) if _TEMPERATURE.match(heading[n])]
+    if not columns and count == 2:
+        columns = [1]
+    if len(columns) != 1:
+        raise BearingTwinError(
+            f'{path}: {len(columns)} of its columns {", ".join(heading[1:]) or "without heading"} '
+            'are temperatures; leave the times and one temperature'
+        )
+    if heading and _OTHER_UNIT.search(heading[columns[0]]):
+        raise BearingTwinError(f'{path}: {heading[columns[0]]!r} is not in degC; convert it')
+    return columns[0]
+
+
+def _number(field: str) -> float:
+    """Return a number, with a decimal comma or point; NaN if it is none."""
+    try:
+        return float(field.replace(',', '.'))
+    except ValueError:
+        return math.nan
+
+
+def _seconds(field: str) -> float | None:
+    """Return a time in its own unit, or a date in s since 1970; None if it is neither."""
+    if math.isfinite(number := _number(field)):
+        return number
+    try:
+        date = datetime.fromisoformat(field.replace('Z', '+00:00'))
+    except ValueError:
+        return None
+    return (date if date.tzinfo else date.replace(tzinfo=timezone.utc)).timestamp()
+
+
 def write_temperature_recording(
     path: Path,
     times: NDArray[np.float64],
@@ -70,9 +185,12 @@ def write_temperature_recording(
     *,
     source: str,
     topic: str = '/temperature',
+    start: int = START,
 ) -> None:
     """
-    Write times (s from the start) and temperatures (degC) as ``sensor_msgs/Temperature``.
+    Write times (s from ``start``) and temperatures (degC) as ``sensor_msgs/Temperature``.
+
+    ``start`` is in ns since 1970.
 
     Raises
     ------
@@ -89,7 +207,7 @@ def write_temperature_recording(
     with whole_recording(path) as writer:
         writer.metadata('bearing_twin.source', {'source': source, 'unit': 'degC'})
         for second, value in zip(times, temperatures, strict=True):
-            ns = START + round(float(second) * NANO)
+            ns = start + round(float(second) * NANO)
             sec, nanosec = split_ns(ns)
             message = temperature(
                 header=header(stamp=time(sec=sec, nanosec=nanosec), frame_id='bearing_housing'),

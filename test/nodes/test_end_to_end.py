@@ -5,7 +5,6 @@
 import json
 
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.recording.schedule import write_temperature_recording
 from commands import python
 import numpy as np
 import pytest
@@ -19,11 +18,13 @@ def bearing_twin(*words):
 @pytest.mark.ros
 def test_demo_on_the_warm_up_of_a_real_machine(tmp_path, data_dir):
     """The measured 43..110 degC of a test rig (FEMTO Bearing2_5), its first 80 minutes in 24 s."""
-    recording = tmp_path / 'warm_up.mcap'
     trend = np.load(data_dir / 'femto' / 'femto_Bearing2_5_trend.npz')
     wanted = np.arange(0.0, 4800.0, 10.0)
     measured = np.interp(wanted, trend['temp_t_s'] - trend['temp_t_s'][0], trend['temp_C'])
-    write_temperature_recording(recording, wanted, measured, source='FEMTO Bearing2_5')
+    table, recording = tmp_path / 'warm_up.csv', tmp_path / 'warm_up.mcap'
+    np.savetxt(table, np.column_stack((wanted, measured)), '%.3f', delimiter=',')
+    made = bearing_twin('schedule', '-o', recording, '--from', table)
+    assert made.returncode == 0, made.stderr
 
     ran = bearing_twin(
         'demo', '--recording', recording, '--rate', 200, '--out', tmp_path / 'runs', '--json'

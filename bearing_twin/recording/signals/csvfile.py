@@ -60,7 +60,7 @@ def read_csv(path: Path) -> dict[str, Any]:
         If there are no columns of numbers, or if commas may be decimal commas or separators.
 
     """
-    text = _text(path)
+    text = table_text(path)
     head = text[:100_000].splitlines()[:HEAD]
     start, separator = _first_numbers(head)
     if start < 0:
@@ -89,7 +89,7 @@ def read_csv(path: Path) -> dict[str, Any]:
     return found
 
 
-def _text(path: Path) -> str:
+def table_text(path: Path) -> str:
     """Return the text of a file without quotes around numbers and separators at line ends."""
     try:
         with path.open('rb') as file:

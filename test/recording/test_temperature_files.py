@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A temperature that somebody measured becomes a recording for the twin."""
+
+from datetime import datetime, timezone
+
+from bearing_twin.cli import main
+from bearing_twin.recording.reader import read_messages
+from bearing_twin.recording.schedule import START
+from bearing_twin.stamps import NANO
+import numpy as np
+import pytest
+
+NOON = int(datetime(2026, 3, 4, 12, tzinfo=timezone.utc).timestamp()) * NANO
+
+
+def _recorded(path):
+    """Return times, ns, and temperatures of a recording."""
+    found = [(m.log_time, m.decode()) for m in read_messages(path)]
+    for time, message in found:
+        assert message.header.stamp.sec * NANO + message.header.stamp.nanosec == time
+    return [time for time, _ in found], [message.temperature for _, message in found]
+
+
+@pytest.mark.parametrize(
+    ('text', 'start', 'seconds'),
+    [
+        ('time,temperature\n0,20\n1.5,21\n4,23.5\n', START, [0.0, 1.5, 4.0]),
+        ('t [min];Temp. [degC];speed\n10;20;1\n11;21;1\n13;23,5;1\n', START, [0.0, 60.0, 180.0]),
+        ('3\t20\n4\t21\n\n6\t23.5', START, [0.0, 1.0, 3.0]),
+        (
+            'logger 7\nDate,Bearing °C,Oil\n2026-03-04 12:00:00,20,1\n2026-03-04T13:00:00+01:00,'
+            '21,1\n2026-03-04T12:00:00.500Z,23.5,1\n',
+            NOON,
+            [0.0, 0.0, 0.5],
+        ),
+        ('time,t1\n1772625600,20\n1772625601,21\n1772625603,23.5\n', NOON, [0.0, 1.0, 3.0]),
+    ],
+)
+def test_a_table_of_times_and_temperatures_becomes_a_recording(text, start, seconds, tmp_path):
+    (tmp_path / 'log.csv').write_text(text)
+    words = ['schedule', '--from', str(tmp_path / 'log.csv'), '-o', str(tmp_path / 'run')]
+    assert main(words) == 0
+    times, temperatures = _recorded(tmp_path / 'run')
+    assert times == [start + round(s * NANO) for s in seconds]
+    assert temperatures == [20.0, 21.0, 23.5]
+
+
+def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
+    (tmp_path / 'log.csv').write_text('time,temperature\n0,20\n1,\n2,n/a\n3,23\n')
+    words = ['schedule', '--from', str(tmp_path / 'log.csv'), '-o', str(tmp_path / 'run')]
+    assert main(words) == 0
+    _, temperatures = _recorded(tmp_path / 'run')
+    np.testing.assert_array_equal(temperatures, [20.0, np.nan, np.nan, 23.0])
+
+
+@pytest.mark.parametrize(
+    ('text', 'said'),
+    [
+        ('time,temperature\n0,20\n2,21\n1,23\n', 'the time of reading 3 falls; sort the file'),
+        ('time,temperature\n0,20\n', 'has fewer than two temperatures; record for longer'),
+        ('time,temperature\n0,20\nend\n', 'line 3 has no time: end'),
+        ('time,Temp [°F]\n0,20\n1,21\n', "'Temp [°F]' is not in degC; convert it"),
+        ('time,temp in,temp out\n0,20,1\n1,21,1\n', '2 of its columns temp in, temp out are'),
+        ('time,speed,load\n0,20,1\n1,21,1\n', '0 of its columns speed, load are temperatures'),
+        ('nothing\n', 'has no line that begins with a time, and a temperature'),
+    ],
+)
+def test_what_is_no_temperature_is_refused_in_a_sentence(text, said, tmp_path, capsys):
+    (tmp_path / 'log.csv').write_text(text)
+    words = ['schedule', '--from', str(tmp_path / 'log.csv'), '-o', str(tmp_path / 'run')]
+    assert main(words) == 1
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / 'run').exists()
+
+
+def test_arrays_of_times_and_temperatures_are_both_needed(tmp_path, capsys):
+    np.savez(tmp_path / 'log.npz', temp_t_s=np.arange(3.0))
+    words = ['schedule', '--from', str(tmp_path / 'log.npz'), '-o', str(tmp_path / 'run')]
+    assert main(words) == 1
+    assert 'has no array temp_C; give both (s, degC)' in capsys.readouterr().err
