@@ -115,16 +115,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser = arguments(sys.modules[__name__], writes=True)
     parser.add_argument('count', type=int, nargs='?', default=100, help='of each simulated group')
     parser.add_argument('--data', type=Path, help='folder of the real recordings')
-    parser.add_argument('--only', default='', help='groups whose name begins so')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(argv)
     lines = read_lines(args.output)
     done = {(line['group'], line['name']) for line in lines}
-    left = [
-        task
-        for task in tasks(args.count, args.data)
-        if task[:2] not in done and task[0].startswith(args.only)
-    ]
+    left = [task for task in tasks(args.count, args.data) if task[:2] not in done]
     with ProcessPoolExecutor(args.jobs) as pool, args.output.open('a', encoding='utf-8') as out:
         running = {pool.submit(task[2], *task[3]): task[:2] for task in left}
         for future in as_completed(running):

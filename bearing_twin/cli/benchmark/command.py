@@ -108,9 +108,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--json', action='store_true', help='one JSON object a piece')
     parser.add_argument('--full', action='store_true', help='whole records at measured speed only')
     parser.add_argument(
-        '--summary', action='store_true', help='one row for each length of the pieces'
-    )
-    parser.add_argument(
         '--misled', action='store_true', help='with wrong bearings and speeds instead'
     )
     parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
@@ -304,7 +301,7 @@ def run(args: argparse.Namespace) -> int:
         msg = f'{args.folder} has no record with a label of {", ".join(PLACES)} or healthy'
         raise BearingTwinError(msg)
     if args.misled:
-        refuse_given(args, ('json', 'full', 'summary'), 'not with --misled, which has one table')
+        refuse_given(args, ('json', 'full'), 'not with --misled, which has one table')
     # Compiled or loaded once, where it is reported; else each process would do it again.
     warm_up()
     with ProcessPoolExecutor(processes(args.jobs, len(cases))) as pool:
@@ -323,8 +320,6 @@ def run(args: argparse.Namespace) -> int:
             print(json.dumps({**vars(piece), 'groups': dict(piece.groups)}))
         return 0
     _summary(pieces)
-    if args.summary:
-        return 0
     for kind in ('data set', 'class', 'grade', 'bearing'):
         whole = [p for p in pieces if p.window == 0.0 and p.speed == 'measured']
         _table(f'Whole records, measured speed, by {kind}', kind, whole)
