@@ -15,7 +15,7 @@ from bearing_twin.recording.signals.csvfile import table_text
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
-from bearing_twin.stamps import NANO, split_ns
+from bearing_twin.stamps import LATEST, NANO, split_ns
 import numpy as np
 from rosbags.typesys import get_typestore, Stores
 
@@ -116,21 +116,30 @@ def read_temperatures(path: Path) -> Measured:
     falls = np.flatnonzero(~(np.diff(times, prepend=times[0]) >= 0.0))
     if falls.size:
         raise BearingTwinError(f'{path}: the time of reading {falls[0] + 1} falls; sort the file')
-    start = round(times[0] * NANO) if times[0] >= _DATED else START
+    dated = times[0] >= _DATED
+    if (times[-1] if dated else START / NANO + times[-1] - times[0]) > LATEST / NANO:
+        raise BearingTwinError(f'{path}: a time of {times[-1]:g} s; stamps of ROS end in 2038')
+    start = round(times[0] * NANO) if dated else START
     return Measured(times - times[0], temperatures, start)
 
 
 def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the times, s, and the temperatures, degC, of a text file."""
     lines = table_text(path).splitlines()
-    separator = next((s for s in '\t;' if any(s in line for line in lines[:100])), ',')
+    # Without any of these, blanks part the columns.
+    separator = next((s for s in '\t;,' if any(s in line for line in lines[:100])), None)
     rows = [[field.strip() for field in line.split(separator)] for line in lines]
     timed = (n for n, row in enumerate(rows) if len(row) > 1 and _seconds(row[0]) is not None)
     begin = next(timed, None)
     if begin is None:
-        raise BearingTwinError(f'{path} has no line that begins with a time, and a temperature')
+        raise BearingTwinError(
+            f'{path} has no line of a time and a temperature; give times in s or as dates such as '
+            '2026-03-04 12:00:00'
+        )
     heading = rows[begin - 1] if begin else []
     column = _temperature_column(path, heading, len(rows[begin]))
+    if len(heading) > column and math.isfinite(_number(heading[column])):
+        raise BearingTwinError(f'{path}: line {begin} has no time: {heading[0]:.20}')
     unit = _UNITS.get(re.findall(r'[^\W\d_]+', f's {"".join(heading[:1])}')[-1].lower(), 1.0)
     times, temperatures = [], []
     for number, row in enumerate(rows[begin:], start=begin + 1):
@@ -160,16 +169,17 @@ def _temperature_column(path: Path, heading: list[str], count: int) -> int:
 
 
 def _number(field: str) -> float:
-    """Return a number, with a decimal comma or point; NaN if it is none."""
+    """Return a number, with a decimal comma or point; NaN if it is none, or infinite."""
     try:
-        return float(field.replace(',', '.'))
+        number = float(field.replace(',', '.'))
     except ValueError:
         return math.nan
+    return number if math.isfinite(number) else math.nan
 
 
 def _seconds(field: str) -> float | None:
     """Return a time in its own unit, or a date in s since 1970; None if it is neither."""
-    if math.isfinite(number := _number(field)):
+    if not math.isnan(number := _number(field)):
         return number
     try:
         date = datetime.fromisoformat(field.replace('Z', '+00:00'))

@@ -27,6 +27,7 @@ def _recorded(path):
     [
         ('time,temperature\n0,20\n1.5,21\n4,23.5\n', START, [0.0, 1.5, 4.0]),
         ('t [min];Temp. [degC];speed\n10;20;1\n11;21;1\n13;23,5;1\n', START, [0.0, 60.0, 180.0]),
+        ('0.0 20.0\n1.0 21\n5 23.5\n', START, [0.0, 1.0, 5.0]),
         ('3\t20\n4\t21\n\n6\t23.5', START, [0.0, 1.0, 3.0]),
         (
             'logger 7\nDate,Bearing °C,Oil\n2026-03-04 12:00:00,20,1\n2026-03-04T13:00:00+01:00,'
@@ -47,11 +48,11 @@ def test_a_table_of_times_and_temperatures_becomes_a_recording(text, start, seco
 
 
 def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
-    (tmp_path / 'log.csv').write_text('time,temperature\n0,20\n1,\n2,n/a\n3,23\n')
+    (tmp_path / 'log.csv').write_text('time,temperature\n0,20\n1,\n2,n/a\n3,1e400\n4,23\n')
     words = ['schedule', '--from', str(tmp_path / 'log.csv'), '-o', str(tmp_path / 'run')]
     assert main(words) == 0
     _, temperatures = _recorded(tmp_path / 'run')
-    np.testing.assert_array_equal(temperatures, [20.0, np.nan, np.nan, 23.0])
+    np.testing.assert_array_equal(temperatures, [20.0, np.nan, np.nan, np.nan, 23.0])
 
 
 @pytest.mark.parametrize(
@@ -63,7 +64,13 @@ def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
         ('time,Temp [°F]\n0,20\n1,21\n', "'Temp [°F]' is not in degC; convert it"),
         ('time,temp in,temp out\n0,20,1\n1,21,1\n', '2 of its columns temp in, temp out are'),
         ('time,speed,load\n0,20,1\n1,21,1\n', '0 of its columns speed, load are temperatures'),
-        ('nothing\n', 'has no line that begins with a time, and a temperature'),
+        (
+            'nothing\n',
+            'has no line of a time and a temperature; give times in s or as dates such as',
+        ),
+        ('01.03.2026 12:00;20\n', 'has no line of a time and a temperature'),
+        ('time,temperature\nnan,20\n0,21\n1,22\n', 'line 2 has no time: nan'),
+        ('0,20\n1e300,21\n', 'a time of 1e+300 s; stamps of ROS end in 2038'),
     ],
 )
 def test_what_is_no_temperature_is_refused_in_a_sentence(text, said, tmp_path, capsys):
