@@ -10,6 +10,7 @@ nothing to save, so an interrupt ends the process at once.
 from __future__ import annotations
 
 from functools import partial
+import gc
 import os
 import signal
 import sys
@@ -29,6 +30,8 @@ def command() -> int:
         signal.signal(signal.SIGINT, lambda *_: os._exit(status))
     # The start scripts for 'ros2 run' block the signal while the interpreter starts.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    # Until all is loaded: see `bearing_twin.memory.begin_collection`.
+    gc.disable()
     from bearing_twin.cli import main
     from bearing_twin.cli.terminal import end_output
 

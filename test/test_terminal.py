@@ -3,6 +3,7 @@
 """The command as a person types it: help, completion, colours, and what fails at once."""
 
 import contextlib
+import gc
 import os
 from pathlib import Path
 import pty
@@ -47,6 +48,17 @@ sys.exit(', '.join(sorted(heavy & sys.modules.keys())) or 0)
 """
     ran = python('-c', script)
     assert ran.returncode == 0, ran.stderr
+
+
+@pytest.mark.parametrize('words', [['bearings', '6205'], ['run', 'twin', '--help']])
+def test_garbage_is_looked_for_from_the_work_on(words):
+    """The start of the process has switched it off, for what it loads."""
+    gc.disable()
+    try:
+        assert main(words) == 0
+        assert gc.isenabled()
+    finally:
+        gc.enable()
 
 
 @pytest.mark.skipif(sys.version_info < (3, 11), reason='Python 3.10 imports from there')

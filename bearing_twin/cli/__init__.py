@@ -27,7 +27,7 @@ from bearing_twin import __version__
 from bearing_twin.cli.arguments import refuse_unknown, take_as_meant
 from bearing_twin.cli.terminal import mend_streams, report_compiling
 from bearing_twin.errors import BearingTwinError, shown
-from bearing_twin.memory import keep_freed_memory
+from bearing_twin.memory import begin_collection, keep_freed_memory
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -107,6 +107,7 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         # Nearly all objects of a command live to its end. If there are many, repeated searches for
         # garbage take half of the time.
         gc.set_threshold(20_000, 20, 20)
+        begin_collection()
         # From here on an interrupt may lose work; nodes handle interrupts themselves.
         begin()
     return _status(args)

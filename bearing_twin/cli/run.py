@@ -11,6 +11,7 @@ import textwrap
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli.terminal import by_level
+from bearing_twin.memory import begin_collection
 
 if TYPE_CHECKING:
     from bearing_twin.assets.parameters.spec import Spec
@@ -38,6 +39,7 @@ def run(args: argparse.Namespace) -> int:
     from bearing_twin.ros.processes import running
 
     node = importlib.import_module(f'bearing_twin.nodes.{args.node}')
+    begin_collection()
     if {'-h', '--help'} & set(args.arguments):
         print(_help(args.node, node))
         return 0
