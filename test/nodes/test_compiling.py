@@ -48,56 +48,46 @@ def test_a_kernel_from_the_cache_is_loaded_and_not_compiled(compiled):
     assert printed(script) == b'False\n'
 
 
-@pytest.mark.parametrize(
-    'warm',
-    [
-        'from bearing_twin.dynamics.compilation import warm_up as warm',
+def test_the_state_of_the_first_block_of_a_node_waits_for_no_compiler():
+    script = (
         'from bearing_twin.assets.twin import Twin\n'
         'from bearing_twin.assets.parameters.twin import SPECS\n'
-        'warm = Twin({spec.name: spec.default for spec in SPECS}).warm_up',
-    ],
-)
-def test_the_state_of_the_first_block_waits_for_no_compiler(warm):
-    script = (
-        f'{warm}\n'
         'from bearing_twin.dynamics.single.condition import _observed\n'
-        'warm()\n'
+        'Twin({spec.name: spec.default for spec in SPECS}).warm_up()\n'
         'print(len(_observed.signatures))\n'
     )
-    assert printed(script).split() == [b'1']
+    assert printed(script) == b'1\n'
 
 
-def test_the_first_snapshot_and_the_first_picture_wait_for_no_compiler():
-    script = (
-        'import numpy as np\n'
-        'from bearing_twin.diagnosis.compilation import warm_up as warm_up_diagnosis\n'
-        'from bearing_twin.diagnosis.series.monitor import SeriesMonitor\n'
-        'from bearing_twin.diagnosis.signal.severity import _powers\n'
-        'from bearing_twin.dynamics import warm_up\n'
-        'from bearing_twin.dynamics.equations import load_zone\n'
-        'warm_up(), warm_up_diagnosis()\n'
-        'known = [len(each.signatures) for each in (_powers, load_zone._force)]\n'
-        'SeriesMonitor(None).add(0.0, np.sin(np.arange(2560.0)), 25600.0, 25.0)\n'
-        'load_zone.contact_forces(np.zeros((3, 8)), np.zeros((3, 1)), 0.0, 0.0, 1.0)\n'
-        'print(known, [len(each.signatures) for each in (_powers, load_zone._force)])\n'
-    )
-    assert printed(script) == b'[2, 1] [2, 1]\n'
-
-
-def test_a_thermal_tick_within_a_block_waits_for_no_compiler():
-    script = (
-        'from bearing_twin.dynamics import preset, warm_up\n'
-        'from bearing_twin.dynamics.single import kernel, simulator\n'
-        'warm_up()\n'
-        "twin = simulator.Simulator(preset('paper', thermal_mode='physical'))\n"
-        'known = len(kernel.advance.signatures) + len(simulator._advance.signatures)\n'
-        'twin.advance(simulator.inner_ring.tick_length(25600.0) + 1000, 30.0, 25.0)\n'
-        'print(len(kernel.advance.signatures) + len(simulator._advance.signatures) - known)\n'
-        # The run-in calls the kernel that blocks call; a bearing at rest has none.
-        "simulator.Simulator(preset('paper'), shaft_hz=0.0)\n"
-        'print([types[-1].layout for types in kernel.advance.signatures])\n'
-    )
-    assert printed(script) == b"0\n['A']\n"
+def test_state_snapshot_picture_and_thermal_tick_wait_for_no_compiler():
+    script = """
+import numpy as np
+from bearing_twin.diagnosis.compilation import warm_up as warm_up_diagnosis
+from bearing_twin.diagnosis.series.monitor import SeriesMonitor
+from bearing_twin.diagnosis.signal.severity import _powers
+from bearing_twin.dynamics import preset, warm_up
+from bearing_twin.dynamics.equations import load_zone
+from bearing_twin.dynamics.single import kernel, simulator
+from bearing_twin.dynamics.single.condition import _observed
+def known():
+    kernels = (_observed, _powers, load_zone._force, kernel.advance, simulator._advance)
+    return [len(each.signatures) for each in kernels]
+warm_up(), warm_up_diagnosis()
+print(*known())
+SeriesMonitor(None).add(0.0, np.sin(np.arange(2560.0)), 25600.0, 25.0)
+load_zone.contact_forces(np.zeros((3, 8)), np.zeros((3, 1)), 0.0, 0.0, 1.0)
+twin = simulator.Simulator(preset('paper', thermal_mode='physical'))
+# A thermal tick within a block.
+twin.advance(simulator.inner_ring.tick_length(25600.0) + 1000, 30.0, 25.0)
+twin.condition()
+print(*known())
+# The run-in calls the kernel that blocks call; a bearing at rest has none.
+simulator.Simulator(preset('paper'), shaft_hz=0.0)
+print(*(types[-1].layout for types in kernel.advance.signatures))
+"""
+    before, after, layouts = printed(script).splitlines()
+    assert before.startswith(b'1 2 1 ')
+    assert (after, layouts) == (before, b'A')
 
 
 SLOW_NODE = """
