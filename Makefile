@@ -33,8 +33,13 @@ demo: setup
 # Tests with real nodes wait more than they compute: more processes than a small machine has cores.
 # Each takes whole files, whose fixtures are then prepared once (pytest-xdist 3.8 does not follow
 # --dist loadgroup under pytest 9.2).
-test: setup lint
+test: setup lint $(VENV)/bytecode.stamp
 	$(BIN)/python -m pytest -n 4 --dist loadfile --no-loadscope-reorder $(PUBLISHED:%=--ignore=%)
+
+# Beside the linters: the processes of the tests would compile the same modules at the same time.
+$(VENV)/bytecode.stamp: $(VENV)/package.stamp
+	-$(BIN)/python -m pytest --collect-only -q > /dev/null
+	touch $@
 
 lint: $(VENV)/package.stamp
 	$(BIN)/ruff check .
