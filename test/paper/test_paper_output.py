@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from pathlib import Path
 import pickle
@@ -30,6 +31,12 @@ FORCE_FIGURES = {
 }
 WATERFALLS = {'expansion': 9, 'hardness': 16, 'friction': 23, 'all': 28}
 KEYS = ['id', 'where', 'claim', 'paper_value', 'our_value', 'verdict', 'why']
+
+
+@pytest.fixture(scope='module')
+def drawn(study):
+    """Return a function that draws a figure, each once for all tests."""
+    return functools.cache(lambda number: FIGURES[number].draw(study))
 
 
 def test_claims_json_holds_the_claims(folder, claims):
@@ -71,8 +78,8 @@ def test_figure_is_not_blank(folder, number):
 
 
 @pytest.mark.parametrize('number', list(FIGURES))
-def test_every_axis_has_its_quantity_and_unit(study, number):
-    for axes in FIGURES[number].draw(study).axes:
+def test_every_axis_has_its_quantity_and_unit(drawn, number):
+    for axes in drawn(number).axes:
         labels = [axes.get_xlabel(), axes.get_ylabel()]
         if hasattr(axes, 'get_zlabel'):
             labels.append(axes.get_zlabel())
@@ -83,19 +90,19 @@ def test_every_axis_has_its_quantity_and_unit(study, number):
 
 
 @pytest.mark.parametrize('number', [6, 7, 8, 13, 14, 15, 20, 21, 22, 27])
-def test_force_panels_say_what_their_curves_do(study, number):
+def test_force_panels_say_what_their_curves_do(drawn, number):
     factor = next(f for f, numbers in FORCE_FIGURES.items() if number in numbers)
     beta = np.array([settings.factor_of(factor).at(t) for t in settings.TEMPERATURE_NODES])
-    for axes in FIGURES[str(number)].draw(study).axes:
+    for axes in drawn(str(number)).axes:
         force = np.asarray(axes.lines[0].get_ydata())
         rising = np.polyfit(beta, force, 1)[0] > 0.0
         assert ('rises' if rising else 'falls') in axes.get_title()
         assert ('falls' if rising else 'rises') not in axes.get_title()
 
 
-def test_waterfalls_mark_the_peak_times_and_show_their_ratio_to_20_degc(study):
+def test_waterfalls_mark_the_peak_times_and_show_their_ratio_to_20_degc(study, drawn):
     for number in (9, 16, 23, 28):
-        axes = FIGURES[str(number)].draw(study).axes
+        axes = drawn(str(number)).axes
         for one in (one for one in axes if one.name == '3d'):
             assert len(one.lines) == 10 + len(settings.PEAK_TIMES)
         flat = [one for one in axes if one.name != '3d']
