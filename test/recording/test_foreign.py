@@ -238,6 +238,18 @@ def test_csv_without_any_heading(tmp_path: Path) -> None:
     np.testing.assert_allclose(signal.x, X[:300], rtol=1e-8)
 
 
+@pytest.mark.parametrize('first', ['0;1.5;0.25;0.9;0.8', '300', '0.5;1.5'])
+def test_numbers_before_the_table_are_not_of_it(tmp_path: Path, first: str) -> None:
+    path = tmp_path / 'a.csv'
+    rows = [f'{5e-5 * k:g};{v:.9g} ;{-v:.9g} ' for k, v in enumerate(X[:300])]
+    path.write_text('\n'.join([first, *rows]))
+    assert channels(path) == ['c0', 'c1', 'c2']
+    np.testing.assert_allclose(read_signal(path, sample_rate=2e4).x, X[:300], rtol=1e-8)
+    path.write_text('\n'.join([*rows[:9], first, *rows[9:]]))
+    with pytest.raises(BearingTwinError, match='the same columns'):
+        read_signal(path, sample_rate=2e4)
+
+
 def test_our_own_recording(tmp_path: Path) -> None:
     write_blocks(tmp_path / 'run', 40)
     signal = read_signal(tmp_path / 'run')

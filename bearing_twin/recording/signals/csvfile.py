@@ -52,7 +52,8 @@ def read_csv(path: Path) -> dict[str, Any]:
 
     A column of even times in s, ms, us or ns becomes ``fs``; ``fs = ...`` or ``Sampling rate:
     ...`` (Hz, kHz or MHz), ``rpm = ...`` before the numbers and a unit in brackets in a heading
-    are read as well. Quotes around numbers and separators at line ends are ignored.
+    are read as well. Quotes around numbers, separators at line ends and, before the table, lines
+    with another count of numbers are ignored.
 
     Raises
     ------
@@ -180,17 +181,33 @@ def _fields(line: str, separator: str) -> list[str]:
 
 
 def _first_numbers(head: list[str]) -> tuple[int, str]:
-    """Return the index of the first line of numbers only, and its separator; -1, '' if none."""
-    for index, line in enumerate(head):
-        for separator in ('\t', ';', ',', ' '):
-            fields = [field.strip() for field in _fields(line, separator)]
-            if separator in ('\t', ';') and len(fields) < 2:
-                continue
-            if separator != ',':
-                fields = [field.replace(',', '.') for field in fields]
-            if fields and len(fields) <= MOST_COLUMNS and all(map(_is_number, fields)):
-                return index, separator
-    return -1, ''
+    """
+    Return the index of the first line of numbers only, and its separator; -1, '' if none.
+
+    A line of numbers before one with another count of them is not of the table: a logger wrote a
+    number of samples or the means of its channels there.
+    """
+    index, kind = -1, ('', 0)
+    for line_index, line in enumerate(head):
+        found = _numbers(line)
+        if index >= 0 and found in (kind, ('', 0)):
+            break
+        if found[1]:
+            index, kind = line_index, found
+    return index, kind[0]
+
+
+def _numbers(line: str) -> tuple[str, int]:
+    """Return separator and count of the numbers of a line of numbers only; '', 0 for another."""
+    for separator in ('\t', ';', ',', ' '):
+        fields = [field.strip() for field in _fields(line, separator)]
+        if separator in ('\t', ';') and len(fields) < 2:
+            continue
+        if separator != ',':
+            fields = [field.replace(',', '.') for field in fields]
+        if fields and len(fields) <= MOST_COLUMNS and all(map(_is_number, fields)):
+            return separator, len(fields)
+    return '', 0
 
 
 def _is_number(field: str) -> bool:
