@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
 from bearing_twin.cli.arguments import file_name, refuse_given
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.finding import find_recording, SIGNAL_FILES
+from bearing_twin.recording.finding import ending, find_recording, SIGNAL_FILES
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path)
 
 
 def _is_signal(path: Path) -> bool:
-    return path.suffix.lower() in SIGNAL_FILES or is_dataset(path)
+    return ending(path) in SIGNAL_FILES or is_dataset(path)
 
 
 def _as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:

@@ -19,6 +19,19 @@ SIGNAL_FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
 """Suffixes of vibration files of other formats, each with its reader in `signals.foreign`."""
 
 
+def ending(path: Path) -> str:
+    """
+    Return the suffix of a file in lower case; that of a text for a name that ends in a number.
+
+    >>> from pathlib import Path
+    >>> ending(Path('2004.02.12.10.32.39')), ending(Path('105.MAT'))
+    ('.txt', '.mat')
+
+    """
+    suffix = path.suffix.lower()
+    return '.txt' if suffix[1:].isdecimal() else suffix
+
+
 def natural(path: Path) -> list[tuple[int, str]]:
     """Return a sort key of a file name in which number 2 comes before 10."""
     words = re.split(r'(\d+)', path.name)
@@ -36,17 +49,17 @@ def diagnose_hint(path: Path) -> str:
     "; 'bearing-twin diagnose' reads vibration files"
 
     """
-    if path.suffix.lower() in SIGNAL_FILES and not path.is_dir():
+    if ending(path) in SIGNAL_FILES and not path.is_dir():
         return "; 'bearing-twin diagnose' reads vibration files"
     names = [item for item in path.glob('[!.]*') if item.is_file()]
-    endings = Counter(item.suffix for item in names if item.suffix.lower() in SIGNAL_FILES)
+    endings = Counter(item.suffix for item in names if ending(item) in SIGNAL_FILES)
     # A single text file among others is more likely a description of them.
     endings -= Counter({'.txt': 1})
     if not endings:
         return ''
-    (ending, _), folder = endings.most_common(1)[0], shlex.quote(str(path))
+    (usual, _), folder = endings.most_common(1)[0], shlex.quote(str(path))
     return (
-        f"; if the {ending} files in it are vibration, 'bearing-twin diagnose {folder}/*{ending}' "
+        f"; if the {usual} files in it are vibration, 'bearing-twin diagnose {folder}/*{usual}' "
         f"judges each, and 'bearing-twin diagnose --series {folder}' all of them as snapshots of "
         'one machine'
     )

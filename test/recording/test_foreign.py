@@ -14,7 +14,7 @@ import zlib
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.foreign import channels, read_signal
-from bearing_twin.recording.signals.snapshots import read_snapshots
+from bearing_twin.recording.signals.snapshots import read_snapshots, series_files
 from bearing_twin.recording.writer import RecordingWriter
 import numpy as np
 import pytest
@@ -248,6 +248,19 @@ def test_numbers_before_the_table_are_not_of_it(tmp_path: Path, first: str) -> N
     path.write_text('\n'.join([*rows[:9], first, *rows[9:]]))
     with pytest.raises(BearingTwinError, match='the same columns'):
         read_signal(path, sample_rate=2e4)
+
+
+def test_a_name_that_ends_in_a_number_is_a_text(tmp_path: Path) -> None:
+    names = ['2004.02.12.10.42.39', '2004.02.12.10.32.39', 'README.md']
+    for name in names:
+        rows = [f'{v:.9g}\t{-v:.9g}' for v in X[:300] * (1.0 + ('42' in name))]
+        (tmp_path / name).write_text('\n'.join(rows))
+    signal = read_signal(tmp_path / names[1], channel='c1', sample_rate=20480.0)
+    np.testing.assert_allclose(signal.x, -X[:300], rtol=1e-8)
+    files = series_files([tmp_path])
+    snapshots = list(read_snapshots(files, channel='c0', sample_rate=20480.0))
+    assert [snapshot.signal.x[0] / X[0] for snapshot in snapshots] == pytest.approx([1.0, 2.0])
+    assert snapshots[1].time - snapshots[0].time == 600.0
 
 
 def test_our_own_recording(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from bearing_twin.bearing import Bearing
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor, GRAVITY
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import real_numbers
-from bearing_twin.recording.finding import SIGNAL_FILES
+from bearing_twin.recording.finding import ending, SIGNAL_FILES
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.recording.signals.csvfile import is_even, read_csv
 from bearing_twin.recording.signals.dataset import dataset_signals, is_dataset, read_dataset_signal
@@ -87,6 +87,7 @@ def read_signal(
                struct fields; ``fs``/``sr``, ``rpm`` and ``X123RPM`` of CWRU
     ``.wav``   a channel is a number from 0; full scale is 1
     ``.csv``   comma, semicolon, tab or blanks; a column ``time`` gives the sample rate
+    ``.39``    a name that ends in a number, as ``2004.02.12.10.32.39``: read as ``.csv``
     ``.mcap``  a file or a bag folder; ``TOPIC``, ``TOPIC:y`` or ``y``; messages Vibration, Imu,
                Accel, Vector3 and Float arrays
     Parquet    a folder of the package ``bearing-datasets``; a channel is the id of a signal
@@ -196,7 +197,7 @@ def _named(names: Iterable[str], said: str, path: Path) -> str:
 def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
     """Return the reader for a file, after checking that it exists and is not too large."""
     readers = (read_npz, read_mat, _read_wav, read_csv, read_csv, read_csv)
-    reader = dict(zip(SIGNAL_FILES, readers, strict=True)).get(path.suffix.lower())
+    reader = dict(zip(SIGNAL_FILES, readers, strict=True)).get(ending(path))
     refuse_special(path)
     try:
         size = path.stat().st_size

@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import real_numbers
-from bearing_twin.recording.finding import natural, SIGNAL_FILES
+from bearing_twin.recording.finding import ending, natural, SIGNAL_FILES
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.signals.foreign import read_signal, Signal
@@ -67,7 +67,7 @@ def series_files(paths: Sequence[Path]) -> list[Path]:
     files: list[Path] = []
     for path in paths:
         if path.is_dir() and not is_dataset(path):
-            inside = (item for item in path.iterdir() if item.suffix.lower() in endings)
+            inside = (item for item in path.iterdir() if ending(item) in endings)
             files += sorted(inside, key=natural)
         else:
             files.append(path)
