@@ -346,6 +346,15 @@ def test_a_signal_that_is_clipped_at_each_swing_is_found(rng):
     assert 'clipped' in reason
 
 
+@pytest.mark.parametrize(('steps', 'advice'), [(0.15, 'raise the gain'), (40.0, 'lower the gain')])
+def test_the_end_of_few_steps_is_no_clipping(rng, steps, advice):
+    """Hum below a step of the converter, as of a dead sensor, and hum that is clipped."""
+    x = signal.lfilter(*signal.butter(2, 0.02), rng.standard_normal(50_000))
+    x = np.rint(np.clip(steps * x / x.std(), -1.5 * steps - 1.0, 1.5 * steps + 1.0))
+    (reason,) = check_record(x, RATE, 25.0, 5.4)
+    assert reason.endswith(advice)
+
+
 def test_severity_of_a_sine():
     """1 m/s^2 peak at 160 Hz: rms 0.707, crest sqrt 2, kurtosis 1.5, velocity a / (2 pi f)."""
     t = np.arange(int(2 * RATE)) / RATE

@@ -182,8 +182,15 @@ def _clipped(parts: Sequence[Extent]) -> str:
     at_ends += sum(part.at_low for part in parts if part.low <= low + span)
     if at_ends <= _SPOILT_SHARE * count:
         return ''
+    share, steps = 100.0 * at_ends / count, max(part.steps for part in parts)
+    if steps < CONVERTER_STEPS:
+        # The end of so few values is no end of a converter, which has many.
+        return (
+            f'the RMS is {steps:.2g} steps of the converter, and {share:.1f} % of the samples sit '
+            'at an end of the few values: is the sensor dead? If it is not, raise the gain'
+        )
     return (
-        f'{100.0 * at_ends / count:.1f} % of the samples sit at the end of the range: the '
+        f'{share:.1f} % of the samples sit at the end of the range: the '
         f'signal is clipped (limit {100.0 * _SPOILT_SHARE:g} %); lower the gain'
     )
 
