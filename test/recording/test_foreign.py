@@ -238,14 +238,25 @@ def test_csv_without_any_heading(tmp_path: Path) -> None:
     np.testing.assert_allclose(signal.x, X[:300], rtol=1e-8)
 
 
-@pytest.mark.parametrize('first', ['0;1.5;0.25;0.9;0.8', '300', '0.5;1.5'])
-def test_numbers_before_the_table_are_not_of_it(tmp_path: Path, first: str) -> None:
+@pytest.mark.parametrize(
+    ('first', 'rows'),
+    [('-5e-5;0.5;0.25;0.9;0.8', 301), ('300', 300), ('9;9;9;9', 300), ('0;1', 300)],
+)
+def test_numbers_before_the_table_are_a_row_only_with_notes_at_its_right(
+    tmp_path: Path, first: str, rows: int
+) -> None:
     path = tmp_path / 'a.csv'
-    rows = [f'{5e-5 * k:g};{v:.9g} ;{-v:.9g} ' for k, v in enumerate(X[:300])]
-    path.write_text('\n'.join([first, *rows]))
+    table = [f'{5e-5 * k:g};{v:.9g} ;{-v:.9g} ' for k, v in enumerate(X[:300])]
+    path.write_text('\n'.join([first, *table]))
     assert channels(path) == ['c0', 'c1', 'c2']
-    np.testing.assert_allclose(read_signal(path, sample_rate=2e4).x, X[:300], rtol=1e-8)
-    path.write_text('\n'.join([*rows[:9], first, *rows[9:]]))
+    x = read_signal(path, sample_rate=2e4).x
+    np.testing.assert_allclose(x[-300:], X[:300], rtol=1e-8)
+    assert x[:-300].tolist() == [0.5] * (rows - 300)
+    if rows > 300:
+        path.write_text('\n'.join(['Time (s);u;v', first, *table]))
+        signal = read_signal(path, channel='u')
+        assert (signal.x[0], signal.sample_rate) == (0.5, pytest.approx(2e4))
+    path.write_text('\n'.join([*table[:9], first, *table[9:]]))
     with pytest.raises(BearingTwinError, match='the same columns'):
         read_signal(path, sample_rate=2e4)
 

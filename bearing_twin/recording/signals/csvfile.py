@@ -74,6 +74,12 @@ def read_csv(path: Path) -> dict[str, Any]:
         msg = f'{path} has commas that may be decimal ones or part two columns: write a heading'
         raise BearingTwinError(msg)
     table = _table(path, text, start, separator)
+    before = _fields(head[start - 1], separator) if start else []
+    if table.shape[1] < len(before) <= MOST_COLUMNS and all(map(_is_number, before)):
+        # Notes stand to the right of the first row, unless the line is no row at all.
+        row = np.array(before[: table.shape[1]], np.float64)
+        if np.all(np.abs(row - table[0]) <= np.ptp(table, axis=0)):
+            start, table = start - 1, np.vstack((row, table))
     names = _names(head[:start], separator, table.shape[1])
     found = _description(head[:start])
     for name, column in zip(names, table.T, strict=True):
@@ -184,8 +190,8 @@ def _first_numbers(head: list[str]) -> tuple[int, str]:
     """
     Return the index of the first line of numbers only, and its separator; -1, '' if none.
 
-    A line of numbers before one with another count of them is not of the table: a logger wrote a
-    number of samples or the means of its channels there.
+    A line of numbers before one with another count of them is not of the table: a logger wrote
+    the number of samples there, for instance.
     """
     index, kind = -1, ('', 0)
     for line_index, line in enumerate(head):
