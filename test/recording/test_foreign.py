@@ -261,6 +261,20 @@ def test_numbers_before_the_table_are_a_row_only_with_notes_at_its_right(
         read_signal(path, sample_rate=2e4)
 
 
+@pytest.mark.parametrize('head', ['', ','.join(map(str, range(2499))) + ',label', 'fs = 64 kHz'])
+def test_long_lines_of_a_text_are_a_signal_each(tmp_path: Path, head: str) -> None:
+    path = tmp_path / 'a.csv'
+    rows = [','.join(f'{v:.9g}' for v in X[k : k + 2500]) for k in (0, 2500)]
+    path.write_text('\n'.join([head, *rows] if head else rows))
+    assert channels(path) == ['x:0', 'x:1']
+    signal = read_signal(path, channel='x:1', sample_rate=6.4e4)
+    np.testing.assert_allclose(signal.x, X[2500:], rtol=1e-8)
+    with pytest.raises(BearingTwinError, match='x has 2 rows of 2500 samples; choose one'):
+        read_signal(path)
+    path.write_text(rows[0])
+    np.testing.assert_allclose(read_signal(path, sample_rate=6.4e4).x, X[:2500], rtol=1e-8)
+
+
 def test_a_name_that_ends_in_a_number_is_a_text(tmp_path: Path) -> None:
     names = ['2004.02.12.10.42.39', '2004.02.12.10.32.39', 'README.md']
     for name in names:

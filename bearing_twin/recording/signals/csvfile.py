@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 HEAD = 100
 """The numbers must begin within this many lines."""
+LONGEST_HEAD = 1_000_000
+"""Characters of the lines among which the numbers must begin."""
 MOST_COLUMNS = 1000
+"""Longer lines of numbers are signals, one in each line."""
 TIME = re.compile(r'(?:timestamp|time|zeit|t)(?![a-z\d])', re.IGNORECASE)
 """Begin of the heading of a time column."""
 SECONDS = {
@@ -50,6 +53,8 @@ def read_csv(path: Path) -> dict[str, Any]:
     """
     Return the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
 
+    Lines of more than 1000 numbers are not columns but a signal each: they are the rows of ``x``.
+
     A column of even times in s, ms, us or ns becomes ``fs``; ``fs = ...`` or ``Sampling rate:
     ...`` (Hz, kHz or MHz), ``rpm = ...`` before the numbers and a unit in brackets in a heading
     are read as well. Quotes around numbers, separators at line ends and, before the table, lines
@@ -62,7 +67,7 @@ def read_csv(path: Path) -> dict[str, Any]:
 
     """
     text = table_text(path)
-    head = text[:100_000].splitlines()[:HEAD]
+    head = text[:LONGEST_HEAD].splitlines()[:HEAD]
     start, separator = _first_numbers(head)
     if start < 0:
         raise BearingTwinError(f'{path} has no line of numbers only among its first {HEAD} lines')
@@ -74,8 +79,10 @@ def read_csv(path: Path) -> dict[str, Any]:
         msg = f'{path} has commas that may be decimal ones or part two columns: write a heading'
         raise BearingTwinError(msg)
     table = _table(path, text, start, separator)
+    if table.shape[1] > MOST_COLUMNS:
+        return {**_description(head[:start]), 'x': table}
     before = _fields(head[start - 1], separator) if start else []
-    if table.shape[1] < len(before) <= MOST_COLUMNS and all(map(_is_number, before)):
+    if table.shape[1] < len(before) and all(map(_is_number, before)):
         # Notes stand to the right of the first row, unless the line is no row at all.
         row = np.array(before[: table.shape[1]], np.float64)
         if np.all(np.abs(row - table[0]) <= np.ptp(table, axis=0)):
@@ -211,7 +218,7 @@ def _numbers(line: str) -> tuple[str, int]:
             continue
         if separator != ',':
             fields = [field.replace(',', '.') for field in fields]
-        if fields and len(fields) <= MOST_COLUMNS and all(map(_is_number, fields)):
+        if fields and all(map(_is_number, fields)):
             return separator, len(fields)
     return '', 0
 
