@@ -46,6 +46,9 @@ if TYPE_CHECKING:
 BLOCK = 4096
 """Samples per block, 160 ms: sending it costs as much as sending a block of 40 ms."""
 
+CROWDED = 60.0
+"""Time after a late block for which each slot has its own verdicts, s."""
+
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 """Inverse golden ratio: fractional parts of its consecutive multiples are spread evenly."""
 
@@ -130,6 +133,7 @@ class FleetNode(ManagedNode):
         self._pending: deque[Pending] = deque()
         self._verdicts: deque[DiagnosisTopics] = deque()
         self._verdict_took = 0.0
+        self._late, self._crowded_until = 0, 0.0
         self._twins = [m for m in self._members if m.twin_parameters is not None]
         self._fleet = self._build_fleet()
         node = self.get_fully_qualified_name()
@@ -291,17 +295,25 @@ class FleetNode(ManagedNode):
         )
 
     def _spend_slot(self, phase: float) -> None:
-        """Publish the blocks of this slot; use the rest of the slot for verdicts."""
+        """Publish the blocks of this slot; use the time that is left for verdicts."""
         began, slots = time.perf_counter(), self.parameters['slots']
         self._publish_share(phase)
-        # A verdict can wait for a later slot; the next block cannot.
+        if self._cycle.late > self._late:
+            self._late, self._crowded_until = self._cycle.late, began + CROWDED
         slot = self._cycle.period / slots
-        end = began + (math.floor(phase * slots + 1e-6) + 1 - phase * slots) * slot
+        last = math.floor(phase * slots + 1e-6) + 1
+        if began > self._crowded_until:
+            # In a row verdicts take less time than after a sleep. But where other processes want
+            # the core, who has used it in a row waits for it, and the next block is late.
+            last = max(last, slots - 1)
+        # A verdict can wait for a later slot; the next block cannot.
+        end = began + (last - phase * slots) * slot
         while self._verdicts and (begins := time.perf_counter()) + self._verdict_took < end:
             self._verdicts.popleft().judge()
             # Expect the slowest recent verdict, but at most half a slot, so that one always fits.
-            took = time.perf_counter() - begins
-            self._verdict_took = min(max(took, 0.9 * self._verdict_took), 0.5 * slot)
+            now = time.perf_counter()
+            self._verdict_took = min(max(now - begins, 0.9 * self._verdict_took), 0.5 * slot)
+            self._publish_share(phase + (now - began) / self._cycle.period)
 
     def _publish_share(self, phase: float) -> None:
         """Publish the blocks that are due at a phase of the period (0..1)."""

@@ -92,6 +92,11 @@ class BlockCycle:
         """Time between blocks, s."""
         return self._pacer.period
 
+    @property
+    def late(self) -> int:
+        """Number of late blocks."""
+        return self._pacer.late
+
     def start(self) -> None:
         """Start the cycle; the first block begins at the next wake-up or reading of /clock."""
         self._ticks = Clock(clock_type=ClockType.STEADY_TIME)
@@ -123,7 +128,7 @@ class BlockCycle:
         """Return the real-time fields of the state message of the current block."""
         return {
             'blocks_published': due.number,
-            'blocks_late': self._pacer.late,
+            'blocks_late': self.late,
             'blocks_dropped': due.dropped,
             'lateness': due.lateness,
             'execution_time': time.perf_counter() - self._began,
