@@ -133,7 +133,6 @@ class FleetNode(ManagedNode):
         self._pending: deque[Pending] = deque()
         self._verdicts: deque[DiagnosisTopics] = deque()
         self._verdict_took = 0.0
-        self._late, self._crowded_until = 0, 0.0
         self._twins = [m for m in self._members if m.twin_parameters is not None]
         self._fleet = self._build_fleet()
         node = self.get_fully_qualified_name()
@@ -298,11 +297,9 @@ class FleetNode(ManagedNode):
         """Publish the blocks of this slot; use the time that is left for verdicts."""
         began, slots = time.perf_counter(), self.parameters['slots']
         self._publish_share(phase)
-        if self._cycle.late > self._late:
-            self._late, self._crowded_until = self._cycle.late, began + CROWDED
         slot = self._cycle.period / slots
         last = math.floor(phase * slots + 1e-6) + 1
-        if began > self._crowded_until:
+        if self._cycle.punctual > CROWDED:
             # In a row verdicts take less time than after a sleep. But where other processes want
             # the core, who has used it in a row waits for it, and the next block is late.
             last = max(last, slots - 1)

@@ -93,9 +93,9 @@ class BlockCycle:
         return self._pacer.period
 
     @property
-    def late(self) -> int:
-        """Number of late blocks."""
-        return self._pacer.late
+    def punctual(self) -> float:
+        """Duration of the blocks since the last late one, s; infinite if none was late."""
+        return self._pacer.punctual
 
     def start(self) -> None:
         """Start the cycle; the first block begins at the next wake-up or reading of /clock."""
@@ -128,7 +128,7 @@ class BlockCycle:
         """Return the real-time fields of the state message of the current block."""
         return {
             'blocks_published': due.number,
-            'blocks_late': self.late,
+            'blocks_late': self._pacer.late,
             'blocks_dropped': due.dropped,
             'lateness': due.lateness,
             'execution_time': time.perf_counter() - self._began,

@@ -94,6 +94,7 @@ class Pacer:
         self.late = 0
         self.dropped = 0
         self.clock_steps = 0
+        self._after_late = -math.inf
         self._recent: deque[float] = deque(maxlen=RECENT)
         self._drops: deque[tuple[int, int]] = deque()
         self._tick_anchor: int | None = None
@@ -104,6 +105,11 @@ class Pacer:
     def period(self) -> float:
         """Time between deadlines, s."""
         return self.block / self.rate
+
+    @property
+    def punctual(self) -> float:
+        """Duration of the blocks since the last late one, s; infinite if none was late."""
+        return (self.next_sample - self._after_late) / self.rate
 
     def _offset(self, sample: int) -> int:
         """Nanoseconds from the anchor to ``sample``, without accumulated rounding errors."""
@@ -155,7 +161,9 @@ class Pacer:
             blocks.append(Due(self.next_sample, stamp, lateness, number, self.dropped))
             self.next_sample += self.block
             self.published += 1
-            self.late += lateness > self.late_after
+            if lateness > self.late_after:
+                self.late += 1
+                self._after_late = self.next_sample
             self._recent.append(lateness)
         return blocks
 

@@ -48,6 +48,18 @@ def test_catches_up_then_skips_and_counts():
     assert p.report().published == 9
 
 
+def test_the_time_since_the_last_late_block_is_that_of_the_blocks_since():
+    p = pacer()
+    run(p, PERIOD)
+    assert p.punctual == math.inf
+    run(p, 2 * PERIOD + 20_000_001)
+    assert p.punctual == 0.0
+    for k in range(3, 103):
+        run(p, k * PERIOD + 20_000_000)
+    assert p.punctual == pytest.approx(4.0)
+    assert p.report().late == 1
+
+
 def test_the_phase_is_the_elapsed_part_of_the_period():
     p = pacer()
     run(p, 3 * PERIOD)
