@@ -73,8 +73,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop() -> None:
     """Look for garbage from now on, and not among what the tests have loaded."""
-    gc.freeze()
-    gc.enable()
+    from bearing_twin.memory import begin_collection
+
+    begin_collection()
 
 
 @pytest.fixture(scope='session')

@@ -19,7 +19,7 @@ import sys
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from bearing_twin.ros.processes.launching import NodeProcesses
+from bearing_twin.ros.processes.launching import COMMAND, NodeProcesses
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 _FORKING = multiprocessing.get_context('forkserver')
 _FORKING.set_forkserver_preload(['preloaded'])
-_COMMAND = 'import sys; from bearing_twin.start import command; sys.exit(command())'
 
 
 class ForkedNodes(NodeProcesses):
@@ -42,14 +41,14 @@ class ForkedNodes(NodeProcesses):
 
 def start_command(*words: object, out: Path, **environment: str) -> Forked:
     """Start ``bearing-twin`` with some words; a file or a terminal gets all that it says."""
-    return _fork([_COMMAND, *map(str, words)], os.environ | environment, str(out), str(out))
+    return _fork([COMMAND, *map(str, words)], os.environ | environment, str(out), str(out))
 
 
 def run_command(*words: object, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run ``bearing-twin`` with some words to its end, as `commands.python` runs Python."""
     with TemporaryDirectory() as folder:
         said = [Path(folder) / name for name in ('out', 'err')]
-        command = _fork([_COMMAND, *map(str, words)], os.environ | environment, *map(str, said))
+        command = _fork([COMMAND, *map(str, words)], os.environ | environment, *map(str, said))
         status = command.wait(600.0)
         return subprocess.CompletedProcess(words, status, *(file.read_text() for file in said))
 

@@ -31,7 +31,7 @@ def files(tmp_path):
 
 @pytest.fixture
 def play(tmp_path):
-    """Return a function that begins to play a file; what is said comes into ``said``."""
+    """Return a function that starts to play a file and writes its messages to ``said``."""
     return partial(start_command, 'play', out=tmp_path / 'said')
 
 
