@@ -11,7 +11,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.signals.csvfile import table_text
+from bearing_twin.recording.signals.csvfile import fields_of, HEAD, SECONDS, table_text, unit_of
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
@@ -29,8 +29,8 @@ START = 1_577_836_800 * NANO
 """Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""
 _DATED = 1e9
 """Times from this one on, s, are dates, as seconds since 1970; smaller ones count from a start."""
-_UNITS = {'ms': 1e-3, 'min': 60.0, 'h': 3600.0}
-"""Units of times other than s, by the last word of the heading."""
+_UNITS = SECONDS | {'min': 60.0, 'h': 3600.0}
+"""Units of times in s. A vibration is timed in the shorter ones only."""
 _TEMPERATURE = re.compile(r'temp|.*(°|deg) ?C\b', re.IGNORECASE)
 """Begin of the heading of a temperature."""
 _OTHER_UNIT = re.compile(r'(°|deg) ?F\b|fahrenheit|[(\[]K[)\]]|kelvin', re.IGNORECASE)
@@ -91,7 +91,7 @@ def read_temperatures(path: Path) -> Measured:
     Return a measured temperature from a text file of a logger or from an ``.npz`` file.
 
     The first column of a text file has the times: dates (ISO 8601, UTC if they name no zone),
-    seconds since 1970, or seconds, or what a heading says (ms, min, h). The temperatures, degC,
+    seconds since 1970, or seconds, or what a heading says (ns to h). The temperatures, degC,
     are the column whose heading begins with ``temp`` or has the unit degC, or the only other one.
     An ``.npz`` file has the arrays ``temp_t_s`` (s) and ``temp_C`` (degC).
 
@@ -127,8 +127,8 @@ def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the times, s, and the temperatures, degC, of a text file."""
     lines = table_text(path).splitlines()
     # Without any of these, blanks part the columns.
-    separator = next((s for s in '\t;,' if any(s in line for line in lines[:100])), None)
-    rows = [[field.strip() for field in line.split(separator)] for line in lines]
+    separator = next((s for s in '\t;,' if any(s in line for line in lines[:HEAD])), ' ')
+    rows = [[field.strip() for field in fields_of(line, separator)] for line in lines]
     timed = (n for n, row in enumerate(rows) if len(row) > 1 and _seconds(row[0]) is not None)
     begin = next(timed, None)
     if begin is None:
@@ -140,7 +140,7 @@ def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     column = _temperature_column(path, heading, len(rows[begin]))
     if len(heading) > column and math.isfinite(_number(heading[column])):
         raise BearingTwinError(f'{path}: line {begin} has no time: {heading[0]:.20}')
-    unit = _UNITS.get(re.findall(r'[^\W\d_]+', f's {"".join(heading[:1])}')[-1].lower(), 1.0)
+    unit = _UNITS.get(unit_of(f'time {"".join(heading[:1])}'), 1.0)
     times, temperatures = [], []
     for number, row in enumerate(rows[begin:], start=begin + 1):
         if not any(row):

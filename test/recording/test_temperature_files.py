@@ -28,6 +28,7 @@ def _recorded(path):
         ('time,temperature\n0,20\n1.5,21\n4,23.5\n', START, [0.0, 1.5, 4.0]),
         ('t [min];Temp. [degC];speed\n10;20;1\n11;21;1\n13;23,5;1\n', START, [0.0, 60.0, 180.0]),
         ('0.0 20.0\n1.0 21\n5 23.5\n', START, [0.0, 1.0, 5.0]),
+        ('t_us,temp\n0,20\n5e5,21\n2e6,23.5\n', START, [0.0, 0.5, 2.0]),
         ('3\t20\n4\t21\n\n6\t23.5', START, [0.0, 1.0, 3.0]),
         (
             'logger 7\nDate,Bearing °C,Oil\n2026-03-04 12:00:00,20,1\n2026-03-04T13:00:00+01:00,'

@@ -81,7 +81,7 @@ def read_csv(path: Path) -> dict[str, Any]:
     table = _table(path, text, start, separator)
     if table.shape[1] > MOST_COLUMNS:
         return {**_description(head[:start]), 'x': table}
-    before = _fields(head[start - 1], separator) if start else []
+    before = fields_of(head[start - 1], separator) if start else []
     if table.shape[1] < len(before) and all(map(_is_number, before)):
         # Notes stand to the right of the first row, unless the line is no row at all.
         row = np.array(before[: table.shape[1]], np.float64)
@@ -182,14 +182,25 @@ def is_even(column: NDArray[Any]) -> bool:
     return bool(away <= 1.5 * max(digit, abs(step)))
 
 
+def unit_of(heading: str) -> str:
+    """
+    Return the unit of a time column, the last word of its heading; '' if it has only a name.
+
+    >>> unit_of('Time [ms]'), unit_of('time_stamp')
+    ('ms', '')
+
+    """
+    words = re.findall(r'[^\W\d_]+', heading.lower())[1:]
+    return next((word for word in reversed(words) if word != 'stamp'), '')
+
+
 def _seconds(heading: str) -> float:
     """Return the unit of a time column in s, by its heading; NaN if it is unknown."""
-    words = re.findall(r'[^\W\d_]+', heading.lower())[1:]
-    unit = next((word for word in reversed(words) if word != 'stamp'), '')
-    return SECONDS.get(unit, np.nan)
+    return SECONDS.get(unit_of(heading), np.nan)
 
 
-def _fields(line: str, separator: str) -> list[str]:
+def fields_of(line: str, separator: str) -> list[str]:
+    """Return the fields of a line; ' ' stands for any blanks."""
     return line.split() if separator == ' ' else line.rstrip('\r\n').split(separator)
 
 
@@ -213,7 +224,7 @@ def _first_numbers(head: list[str]) -> tuple[int, str]:
 def _numbers(line: str) -> tuple[str, int]:
     """Return separator and count of the numbers of a line of numbers only; '', 0 for another."""
     for separator in ('\t', ';', ',', ' '):
-        fields = [field.strip() for field in _fields(line, separator)]
+        fields = [field.strip() for field in fields_of(line, separator)]
         if separator in ('\t', ';') and len(fields) < 2:
             continue
         if separator != ',':
@@ -248,7 +259,9 @@ def _names(before: list[str], separator: str, count: int) -> list[str]:
     default = [f'c{index}' for index in range(count)]
     if not before:
         return default
-    fields = [field.strip().strip('"\'') for field in _fields(before[-1].lstrip('# '), separator)]
+    fields = [
+        field.strip().strip('"\'') for field in fields_of(before[-1].lstrip('# '), separator)
+    ]
     named = len(fields) == count and len(set(fields)) == count and all(fields)
     return fields if named else default
 
