@@ -145,10 +145,10 @@ def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     for number, row in enumerate(rows[begin:], start=begin + 1):
         if not any(row):
             continue
-        seconds = _seconds(row[0])
+        seconds = _seconds(row[0], unit)
         if seconds is None:
             raise BearingTwinError(f'{path}: line {number} has no time: {row[0]:.20}')
-        times.append(seconds * unit)
+        times.append(seconds)
         temperatures.append(_number(row[column]) if column < len(row) else math.nan)
     return np.array(times), np.array(temperatures)
 
@@ -177,10 +177,10 @@ def _number(field: str) -> float:
     return number if math.isfinite(number) else math.nan
 
 
-def _seconds(field: str) -> float | None:
-    """Return a time in its own unit, or a date in s since 1970; None if it is neither."""
+def _seconds(field: str, unit: float = 1.0) -> float | None:
+    """Return a time in a unit (s), or a date since 1970, in s; None if it is neither."""
     if not math.isnan(number := _number(field)):
-        return number
+        return number * unit
     try:
         date = datetime.fromisoformat(field.replace('Z', '+00:00'))
     except ValueError:
