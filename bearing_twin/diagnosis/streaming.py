@@ -49,48 +49,28 @@ LOWEST_RATE, HIGHEST_RATE = 1.0, 1e9
 """Range of sample rates of a stream, Hz: an update has at least one sample, and a window ends."""
 
 
-class Block(NamedTuple):
+def checked_block(
+    first_sample: int, x: ArrayLike, sample_rate: float, shaft_hz: float, temperature: float
+) -> tuple[int, NDArray[np.float64], float, float, float]:
     """
-    Samples of one axis, and what is known of them; see :meth:`StreamingDiagnoser.take`.
+    Return the index, samples, rate, shaft speed and temperature of a block as plain numbers.
 
-    >>> Block.checked(0, [1, 2], 25600, 25.0, math.nan)
-    Block(first_sample=0, x=array([1., 2.]), sample_rate=25600.0, shaft_hz=25.0, temperature=nan)
+    Raises
+    ------
+    BearingTwinError
+        If x is not one-dimensional, a value is no number, the sample rate is outside 1 Hz to
+        1 GHz, or the index is no whole number of 64 bits.
+
+    >>> checked_block(0, [1, 2], 25600, 25, math.nan)
+    (0, array([1., 2.]), 25600.0, 25.0, nan)
 
     """
-
-    first_sample: int
-    x: NDArray[np.float64]
-    sample_rate: float
-    shaft_hz: float
-    temperature: float
-
-    @classmethod
-    def checked(
-        cls,
-        first_sample: int,
-        x: ArrayLike,
-        sample_rate: float,
-        shaft_hz: float,
-        temperature: float,
-    ) -> Block:
-        """
-        Return a block.
-
-        Raises
-        ------
-        BearingTwinError
-            If x is not one-dimensional, a value is no number, the sample rate is outside 1 Hz to
-            1 GHz, or the index is no whole number of 64 bits.
-
-        """
-        check_whole('first_sample', first_sample)
-        check_range('first_sample', first_sample, -_FARTHEST, _FARTHEST, 'samples')
-        rate = real_number('sample_rate', sample_rate)
-        check_range('sample_rate', rate, LOWEST_RATE, HIGHEST_RATE, 'Hz')
-        hertz = real_number('shaft_hz', shaft_hz)
-        return cls(
-            int(first_sample), one_axis(x), rate, hertz, real_number('temperature', temperature)
-        )
+    check_whole('first_sample', first_sample)
+    check_range('first_sample', first_sample, -_FARTHEST, _FARTHEST, 'samples')
+    rate = real_number('sample_rate', sample_rate)
+    check_range('sample_rate', rate, LOWEST_RATE, HIGHEST_RATE, 'Hz')
+    hertz = real_number('shaft_hz', shaft_hz)
+    return int(first_sample), one_axis(x), rate, hertz, real_number('temperature', temperature)
 
 
 def same_rate(first: float, other: float) -> bool:
@@ -292,7 +272,7 @@ class StreamingDiagnoser:
             to 1 GHz. The state is unchanged then.
 
         """
-        first_sample, block, sample_rate, shaft_hz, temperature = Block.checked(
+        first_sample, block, sample_rate, shaft_hz, temperature = checked_block(
             first_sample, x, sample_rate, shaft_hz, temperature
         )
         if not same_rate(self._rate, sample_rate):

@@ -18,7 +18,7 @@ from bearing_twin.diagnosis.series.alone import answer_alone
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.signal.severity import LEAST
 from bearing_twin.diagnosis.signal.shaft import SpeedProfile
-from bearing_twin.diagnosis.streaming import Block, PATIENCE, same_rate
+from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, restored, unpack
 import numpy as np
@@ -109,7 +109,7 @@ class SeriesDiagnoser:
         sensor: str = '',
     ) -> list[Excerpt]:
         """Take a block; return complete snapshots. Parameters: see StreamingDiagnoser.take."""
-        first_sample, block, sample_rate, shaft_hz, temperature = Block.checked(
+        first_sample, block, sample_rate, shaft_hz, temperature = checked_block(
             first_sample, x, sample_rate, shaft_hz, temperature
         )
         known = {'temperature': temperature, 'unit': unit, 'sensor': sensor}
