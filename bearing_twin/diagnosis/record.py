@@ -8,7 +8,7 @@ from dataclasses import replace
 import functools
 import itertools
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import check_geometry, LEVELS, PLACES
 from bearing_twin.diagnosis.chain import Excerpt
@@ -129,52 +129,28 @@ def diagnose_record(
     if speeds.size > 1 and np.ptp(speeds) > 0.0 and speed_tolerance is None:
         settings = settings.measured
     lengths = np.full(max(speeds.size, 1), len(signal) // max(speeds.size, 1))
-    record = _Record(
-        signal, SpeedProfile(np.atleast_1d(speeds), lengths), sample_rate, bearing, settings,
-        temperature, unit,
+    profile = SpeedProfile(np.atleast_1d(speeds), lengths)
+    cut = functools.partial(
+        Excerpt.of, sample_rate=sample_rate, bearing=bearing, settings=settings,
+        longest=_WINDOW_TURNS, temperature=temperature, unit=unit,
     )  # fmt: skip
-    analysis = record.excerpt().analyse()
+    analysis = cut(signal, profile).analyse()
     found = analysis.alone
     if found.rule in FAINT:
         if found.level == 'suspect' and _may_strike_in_bursts(analysis):
-            found = _of_bursts(record) or found
+            # A segment is whitened by its own noise: bursts of seconds count little in the mean.
+            whole = cut(signal, profile, divided=False).analyse().alone
+            if whole.level == 'fault':
+                found = replace(whole, reasons=(*whole.reasons, _BURSTS))
         # If the speed moves, the lines of a fault smear over the whole record but not over its
         # parts.
         if found.level != 'fault' and speeds.size == 1 and _smeared(analysis):
-            parts = functools.partial(_parts, record, analysis.excerpt)
-            found = _moving(found, record.turns, parts) or found
+            turns = len(signal) / sample_rate * _steady_hz(analysis.excerpt)
+            parts = functools.partial(_parts, analysis.excerpt, signal, turns, cut)
+            found = _moving(found, turns, parts) or found
     if speeds.size == 1:
-        found = _with_other_shafts(found, record, analysis)
+        found = _with_other_shafts(found, analysis, functools.partial(cut, signal))
     return with_fault_stage(with_required_level(found))
-
-
-class _Record(NamedTuple):
-    """A record with its conditions."""
-
-    x: NDArray[np.float64]
-    speed_profile: SpeedProfile
-    sample_rate: float
-    bearing: Bearing
-    settings: DiagnosisSettings
-    temperature: float
-    unit: str
-
-    @property
-    def steady_hz(self) -> float:
-        """Shaft speed, Hz, if one is given for the whole record."""
-        return float(self.speed_profile.shaft_hz[0])
-
-    @property
-    def turns(self) -> float:
-        """Shaft turns at this speed."""
-        return len(self.x) / self.sample_rate * self.steady_hz
-
-    def excerpt(self, *, divided: bool = True) -> Excerpt:
-        """Return the whole record as an excerpt, cut into windows."""
-        return Excerpt.of(
-            self.x, self.speed_profile, self.sample_rate, self.bearing, self.settings,
-            longest=_WINDOW_TURNS, divided=divided, temperature=self.temperature, unit=self.unit,
-        )  # fmt: skip
 
 
 def _may_strike_in_bursts(analysis: Analysis) -> bool:
@@ -186,45 +162,40 @@ def _may_strike_in_bursts(analysis: Analysis) -> bool:
     return bool(analysis.before) or window.index_by_power(order, said.band) >= _LOUD
 
 
-def _of_bursts(record: _Record) -> Diagnosis | None:
-    """
-    Return the fault of a record as a whole; None without one.
-
-    Otherwise each segment is whitened by its own noise, so bursts of impacts that last seconds
-    count little in the mean.
-    """
-    whole = record.excerpt(divided=False).analyse().alone
-    return replace(whole, reasons=(*whole.reasons, _BURSTS)) if whole.level == 'fault' else None
-
-
-def _parts(record: _Record, whole: Excerpt, count: int) -> list[Excerpt]:
-    """Return equal parts of a record; they share transforms with ``whole`` if they are long."""
+def _parts(
+    whole: Excerpt,
+    x: NDArray[np.float64],
+    turns: float,
+    cut: Callable[..., Excerpt],
+    count: int,
+) -> list[Excerpt]:
+    """Return equal parts of a record, x; they share transforms with ``whole`` if they are long."""
     many = len(whole.stretches)
-    if record.turns * (many // count) >= _PART_TURNS * many:
+    if turns * (many // count) >= _PART_TURNS * many:
         edges = [round(many * number / count) for number in range(count + 1)]
         return [_part(whole, *ends) for ends in itertools.pairwise(edges)]
-    profile = record.speed_profile
-    return [
-        record._replace(
-            x=part, speed_profile=profile._replace(lengths=np.array([len(part)]))
-        ).excerpt()
-        for part in np.array_split(record.x, count)
-    ]
+    return [cut(part, _steady_hz(whole)) for part in np.array_split(x, count)]
 
 
-def _with_other_shafts(found: Diagnosis, record: _Record, analysis: Analysis) -> Diagnosis:
+def _steady_hz(whole: Excerpt) -> float:
+    """Return the shaft speed, Hz, that is given for a whole record."""
+    return float(whole.speed_profile.shaft_hz[0])
+
+
+def _with_other_shafts(
+    found: Diagnosis, analysis: Analysis, at_speed: Callable[[float], Excerpt]
+) -> Diagnosis:
     """Return the answer after looks at other speeds at which lines of a shaft show."""
-    window = analysis.window
+    window, excerpt = analysis.window, analysis.excerpt
     if window is None:
         return found
-    bin_hz, tolerance = 1.0 / window.seconds, record.settings.speed_tolerance
-    for hertz in other_shafts_hz(window.low, bin_hz, record.steady_hz, tolerance):
+    bin_hz, tolerance = 1.0 / window.seconds, excerpt.settings.speed_tolerance
+    for hertz in other_shafts_hz(window.low, bin_hz, _steady_hz(excerpt), tolerance):
         # The lines of the named fault can be mistaken for those of a shaft.
         own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
         if own or not analysis.may_show(hertz, _clearest(found)):
             continue
-        profile = record.speed_profile._replace(shaft_hz=np.array([hertz]))
-        said = record._replace(speed_profile=profile).excerpt().analyse().alone
+        said = at_speed(hertz).analyse().alone
         found = _at_another_speed(found, said, hertz) or found
     return found
 
