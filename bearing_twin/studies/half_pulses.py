@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.combs.harmonics import MISSING, unshared_height
+from bearing_twin.diagnosis.combs.harmonics import MISSING
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import decide
@@ -88,9 +88,7 @@ def measured(kind: str, number: int) -> tuple[float, bool] | None:
     if comb.z < Z_FAULT or comb.index < INDEX_FAULT:
         return None
     verdict = decide(Evidence(combs, found.revolutions))
-    spectra, columns = combs.spectra, combs.harmonics.clear_columns(2.0 * comb.order)
-    height = unshared_height(spectra, comb.order, 2, columns, spectra.quiet)
-    return height, verdict.level == 'fault'
+    return combs.harmonics.unshared_height(comb.order, 2), verdict.level == 'fault'
 
 
 def main(argv: Sequence[str] | None = None) -> None:

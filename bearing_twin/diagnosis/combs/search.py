@@ -10,10 +10,10 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.combs.candidate import Candidate, RACES, UNTESTED
 from bearing_twin.diagnosis.combs.comb import comb_scores, OrderSpectra
-from bearing_twin.diagnosis.combs.comb_harmonics import CombHarmonics
 from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands, SIDEBANDS
 from bearing_twin.diagnosis.combs.comb_sums import best_with_slip_cost, highest_elsewhere
 from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
+from bearing_twin.diagnosis.combs.harmonics import CombHarmonics
 from bearing_twin.diagnosis.combs.sidebands import modulation_index, sideband_ratio
 from bearing_twin.diagnosis.signal.lines import count_shown
 from bearing_twin.diagnosis.signal.spectra import WHITENINGS

@@ -2,19 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Strikes that come from elsewhere, whose harmonics lie where a fault's would."""
 
-from dataclasses import replace
-
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.combs.candidate import Candidate
-from bearing_twin.diagnosis.combs.comb import OrderSpectra
-from bearing_twin.diagnosis.combs.harmonics import (
-    denser_series,
-    masked_by_shaft,
-    MISSING,
-    missing_harmonics,
-)
-from bearing_twin.diagnosis.combs.search import CombSearch
+from bearing_twin.diagnosis.combs.comb import comb_scores, OrderSpectra
+from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands
+from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
+from bearing_twin.diagnosis.combs.harmonics import CombHarmonics, MISSING
 from bearing_twin.diagnosis.signal.lines import NEUTRAL
 from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
 from bearing_twin.studies.half_pulses import measured
@@ -26,8 +20,6 @@ SHAFT_HZ = 24.7
 SECONDS = 4.0
 N = int(RATE * SECONDS)
 RING = np.exp(-900 * np.arange(300) / RATE) * np.sin(2 * np.pi * 5200 * np.arange(300) / RATE)
-COLUMNS = np.array([0, 1, 2])
-KNOWN = {'precision': 0.0005, 'uncertainty': 0.002}
 
 
 SEED = 31
@@ -101,110 +93,98 @@ def test_ball_that_strikes_one_race_only_is_named(rng):
 
 def _spectra(rng, lines, excess=6.0):
     """Noise with lines that stand so many times over the floor."""
-    step, count = 0.01, 3000
-    power = rng.exponential(size=(count, 3))
-    at = np.rint(np.asarray(lines) / step).astype(int) - 1
-    power[at[(at >= 0) & (at < count)]] *= 1.0 + excess
-    logs = np.log1p(power).astype(np.float32)
-    return OrderSpectra(step, logs, np.zeros((count, 2), np.float32), np.zeros(1, np.float32))
+    power = rng.exponential(size=(3000, 3))
+    at = np.rint(np.asarray(lines) / 0.01).astype(int) - 1
+    power[at[(at >= 0) & (at < 3000)]] *= 1.0 + excess
+    return _of_logs(np.log1p(power))
+
+
+def _of_logs(logs):
+    """Spectra with some log scores, 0.01 orders apart."""
+    blank = np.zeros(logs.shape, np.float32)
+    return OrderSpectra(0.01, logs.astype(np.float32), blank, blank[0])
+
+
+def _harmonics(spectra, uncertainty=0.002, tolerance=0.02, whitenings=3):
+    """Harmonics of the combs of a 6205, in spectra without lines of its shaft."""
+    expected = ExpectedOrders(find_bearing('6205'), uncertainty)
+    speed = ShaftSpeed(SHAFT_HZ, uncertainty, 0.0, tolerance)
+    scores = comb_scores(spectra.off_shaft, 7.0, whitenings)
+    return CombHarmonics(spectra, speed, expected, scores, CombSidebands(spectra, expected))
+
+
+def _inner(order):
+    return Candidate('inner', order, 0.0, 9.0, 0.8)
 
 
 def test_comb_of_its_own_is_seldom_denied(rng):
-    nothing = np.zeros(3000, bool)
     denied = 0
     for _ in range(400):
         order = rng.uniform(2.5, 6.5)
-        spectra = _spectra(rng, order * np.arange(1, 5))
-        denied += missing_harmonics(spectra, order, COLUMNS, lambda _: COLUMNS, nothing) > 1
-        denied += denser_series(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002) > 0.0
+        harmonics = _harmonics(_spectra(rng, order * np.arange(1, 5)))
+        denied += harmonics.extraneous_order(_inner(order)) > 0.0
     assert denied <= 8
 
 
 def test_denser_series_is_found_with_its_order(rng):
-    nothing = np.zeros(3000, bool)
+    # No line between its harmonics lies on a multiple of the shaft.
+    order = 4.58
     for parts in (2, 3, 5, 8, 13):
-        order = 4.57
         spectra = _spectra(rng, order / parts * np.arange(1, 4 * parts + 1), 40.0)
-        found = denser_series(spectra, order, COLUMNS, nothing, nothing, nothing, 0.002)
+        found = _harmonics(spectra).extraneous_order(_inner(order))
         assert found == pytest.approx(order / parts)
-        # Sidebands that the candidate explains fade: these do not.
-        everywhere = np.ones(3000, bool)
-        again = denser_series(spectra, order, COLUMNS, nothing, nothing, everywhere, 0.002)
-        assert again == found
 
 
 def test_missing_harmonics_tell_the_true_order(rng):
-    nothing = np.zeros(3000, bool)
     for multiple in (2, 3, 4):
-        spectra = _spectra(rng, 4.57 * multiple * np.arange(1, 3), 100.0)
-        found = missing_harmonics(spectra, 4.57, COLUMNS, lambda _: COLUMNS, nothing)
+        harmonics = _harmonics(_spectra(rng, 4.57 * multiple * np.arange(1, 3), 100.0))
+        found = harmonics.multiple(4.57)
         assert found > 1
         assert found % multiple == 0
+        assert harmonics.extraneous_order(_inner(4.57)) == pytest.approx(4.57 * found)
 
 
 def test_harmonics_are_missed_where_their_series_is_highest(rng):
     """The best of many bands of a comb is one whose noise is high at the missing harmonics."""
-    nothing, order, bands = np.zeros(3000, bool), 3.023, 50
+    order, bands = 3.023, 50
     heights = np.full((3000, bands), NEUTRAL) + 0.3 * rng.standard_normal((3000, bands))
     rows = np.rint(order * np.arange(1, 5) / 0.01).astype(int) - 1
     heights[rows[1::2]] = 4.0 + NEUTRAL
     # Chance, and the tail of an eccentric pulse: the comb is highest here.
     heights[rows[::2], 18] = 1.5 + NEUTRAL
-    blank = np.zeros(1, np.float32)
-    spectra = OrderSpectra(0.01, heights.astype(np.float32), np.zeros((3000, bands)), blank)
-
-    def highest(fundamental):
-        at = np.rint(fundamental * np.arange(1, 5) / 0.01).astype(int) - 1
-        return np.array([heights[at].sum(axis=0).argmax()])
-
-    assert highest(order) == 18
-    assert highest(2.0 * order) != 18
-    assert missing_harmonics(spectra, order, highest(order), highest, nothing) == 2
+    pulses = _harmonics(_of_logs(heights), whitenings=1)
+    assert pulses.columns(order) == [18]
+    assert pulses.columns(2.0 * order) != [18]
+    assert pulses.multiple(order) == 2
     # Where both are highest in the same band the others in which the series is clear tell.
-    loud = replace(spectra, logs=spectra.logs.copy())
-    loud.logs[rows[1::2], 18] = 4.1 + NEUTRAL
-
-    def same(_):
-        return np.array([18])
-
-    def clear(_):
-        return np.arange(bands)
-
-    assert missing_harmonics(loud, order, same(order), same, nothing) == 1
-    assert missing_harmonics(loud, order, same(order), clear, nothing) == 2
+    loud = heights.copy()
+    loud[rows[1::2], 18] = 5.0 + NEUTRAL
+    both = _harmonics(_of_logs(loud), whitenings=1)
+    assert both.columns(order) == both.columns(2.0 * order) == [18]
+    assert both.multiple(order) == 2
     # A fault has them all; pulses at twice its order in another band do not hide it.
     heights[rows, 18] = 4.5 + NEUTRAL
-    fault = OrderSpectra(0.01, heights.astype(np.float32), spectra.excess, blank)
-    assert missing_harmonics(fault, order, highest(order), highest, nothing) == 1
+    assert _harmonics(_of_logs(heights), whitenings=1).multiple(order) == 1
 
 
 def test_comb_beside_the_shaft_needs_to_stand_out(rng):
     impacts = _spectra(rng, np.arange(1.0, 21.0), 40.0)
-    unknown = {'precision': 0.02, 'uncertainty': 0.02}
-    assert masked_by_shaft(impacts, 5.002, COLUMNS, **KNOWN)
+    assert _harmonics(impacts, tolerance=0.002).masked_by_shaft(_inner(5.002))
     fault = _spectra(rng, [1.0, 2.0, 5.03, 10.06, 15.09, 20.12], 40.0)
-    assert not masked_by_shaft(fault, 5.03, COLUMNS, **unknown)
-    # Lines at 1.006 and its multiples are no shaft's that is known to 0.05 %.
+    assert not _harmonics(fault, uncertainty=0.02).masked_by_shaft(_inner(5.03))
+    # Lines at 1.006 and its multiples are no shaft's that is known to 0.2 %.
     other = _spectra(rng, 1.006 * np.arange(1.0, 21.0), 40.0)
-    assert masked_by_shaft(other, 5.03, COLUMNS, **unknown)
-    assert not masked_by_shaft(other, 5.03, COLUMNS, **KNOWN)
+    assert _harmonics(other, uncertainty=0.02).masked_by_shaft(_inner(5.03))
+    assert not _harmonics(other, tolerance=0.002).masked_by_shaft(_inner(5.03))
 
 
 def test_harmonics_beyond_the_spectrum_are_not_counted_as_noise(rng):
     """A spectrum up to 30 orders holds two harmonics of impacts at 12.3 orders."""
-    power = rng.exponential(size=(3000, 2))
-    power[[1229, 2459]] *= 41.0
-    spectra = OrderSpectra(
-        0.01,
-        np.log1p(power).astype(np.float32),
-        np.zeros((3000, 1), np.float32),
-        np.zeros(1, np.float32),
-    )
-    search = CombSearch(spectra, find_bearing('6205'), ShaftSpeed(SHAFT_HZ, 0.0005, 0.0, 0.002))
-    assert search.harmonics.impacts(Candidate('elsewhere', 12.3, 0.0, 9.0, 0.8)) > 1.0
-    assert search.harmonics.impacts(Candidate('elsewhere', 6.15, 0.0, 9.0, 0.8)) > 0.5
+    harmonics = _harmonics(_spectra(rng, [12.3, 24.6], 40.0))
+    assert harmonics.impacts(Candidate('elsewhere', 12.3, 0.0, 9.0, 0.8)) > 1.0
+    assert harmonics.impacts(Candidate('elsewhere', 6.15, 0.0, 9.0, 0.8)) > 0.5
     # None of them is in the spectrum: nothing is known.
-    assert search.harmonics.impacts(Candidate('elsewhere', 20.3, 0.0, 9.0, 0.8)) == 0.0
+    assert harmonics.impacts(Candidate('elsewhere', 20.3, 0.0, 9.0, 0.8)) == 0.0
 
 
 def test_pulses_at_twice_the_order_of_a_race_are_no_alarm_and_faults_are():
