@@ -17,7 +17,7 @@ from bearing_twin.diagnosis.combs.harmonics import spaced_by_shaft
 from bearing_twin.diagnosis.combs.plain_lines import low_lines
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.combs.sidebands import sideband_ratio
-from bearing_twin.diagnosis.report import insufficient, report, undetected_reasons
+from bearing_twin.diagnosis.report import insufficient, report
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import answer, with_confidence_basis
 from bearing_twin.diagnosis.signal.demodulation import (
@@ -239,11 +239,6 @@ class Excerpt:
         mean_hz = profile.mean_hz
         extents = [stretch.extent for stretch in self.stretches]
         reasons = check_extents(extents, rate, mean_hz, highest_fault_order(bearing))
-        if reasons and self.simulated:
-            reasons += undetected_reasons(
-                self.samples, rate, mean_hz, temperature=self.temperature, unit=self.unit,
-                bearing=bearing,
-            )  # fmt: skip
         if not reasons and not ((profile.shaft_hz > 0.0) & np.isfinite(profile.shaft_hz)).all():
             reasons = ['the shaft stood still or turned backwards within the window']
         if reasons:

@@ -81,26 +81,6 @@ def smallest_detectable(
     return float(max(found) * d_ball / table['d_ball_m'])
 
 
-def detectable_text(
-    seconds: float, shaft_hz: float, temperature: float, rms: float, unit: str, d_ball: float
-) -> str:
-    """
-    Return the result of :func:`smallest_detectable`, with the same parameters, in words.
-
-    >>> detectable_text(8.0, 3.0, 30.0, 1.0, 'm/s^2', 0.0135)
-    'none is sure to'
-
-    """
-    smallest = smallest_detectable(seconds, shaft_hz, temperature, rms, unit, d_ball)
-    if not math.isfinite(smallest):
-        return 'none is sure to'
-    supposed = ''
-    if not math.isfinite(acceleration_factor(unit)):
-        levels = _table()['noise_m_s2']
-        supposed = f' in noise of {levels[len(levels) // 2]:g} m/s^2 (the unit is not known)'
-    return f'one {smallest:.2g} mm wide{supposed}'
-
-
 def _nearest(values: list[float], wanted: float) -> int:
     if not math.isfinite(wanted):
         return 0

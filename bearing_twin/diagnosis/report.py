@@ -8,9 +8,8 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies, PLACES
-from bearing_twin.diagnosis.detection_power import detectable_text, smallest_detectable
+from bearing_twin.diagnosis.detection_power import smallest_detectable
 from bearing_twin.diagnosis.result import Diagnosis, Spectrum
-from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS, SHAFT_TURNS
 from bearing_twin.diagnosis.signal.severity import Severity
 from bearing_twin.diagnosis.thresholds import HARMONICS
 import numpy as np
@@ -73,11 +72,13 @@ def report(
         line_hz = harmonics_hz.astype(np.float32)
         line_level = values[rows] / floor[rows]
     unit = window.severity.unit
-    could = (shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball)
-    smallest = smallest_detectable(window.seconds, *could) if simulated else math.nan
-    reasons = (*notes, *verdict.reasons)
+    smallest, reasons = math.nan, (*notes, *verdict.reasons)
+    if simulated:
+        smallest = smallest_detectable(
+            window.seconds, shaft_hz, temperature, window.severity.rms, unit, bearing.d_ball
+        )
     if simulated and verdict.result == 'insufficient':
-        shown = detectable_text(window.seconds, *could)
+        shown = f'one {smallest:.2g} mm wide' if math.isfinite(smallest) else 'none is sure to'
         reasons = (*reasons, f'smallest race fault that would have shown: {shown}')
     amplitude, first_hz, group_hz = coarse_spectrum(window.amplitude, window.bin_hz)
     return Diagnosis(
@@ -158,38 +159,6 @@ def coarse_spectrum(
     # Along columns: numpy is slow at the maximum of a few neighbours.
     highest = np.ascontiguousarray(padded.reshape(count, group).T).max(axis=0)
     return highest, 0.5 * (group - 1) * bin_hz, group * bin_hz
-
-
-def undetected_reasons(
-    x: NDArray[np.float64],
-    sample_rate: float,
-    shaft_hz: float,
-    *,
-    temperature: float,
-    unit: str,
-    bearing: Bearing,
-) -> list[str]:
-    """
-    Return the smallest detectable fault of a refused window and of a longer one, as reasons.
-
-    Empty without a shaft speed, without samples, and with non-finite samples.
-
-    >>> from bearing_twin.bearing import find_bearing
-    >>> known = {'temperature': 30.0, 'unit': 'm/s^2', 'bearing': find_bearing('6307')}
-    >>> undetected_reasons(np.zeros(0), 25600.0, 25.0, **known)
-    []
-
-    """
-    if not (math.isfinite(shaft_hz) and shaft_hz > 0.0 and len(x) and np.isfinite(x).all()):
-        return []
-    text = 'smallest race fault that would have shown: none'
-    if len(x) / sample_rate * shaft_hz < SHAFT_TURNS:
-        longer = HEALTHY_TURNS / shaft_hz
-        could = detectable_text(
-            longer, shaft_hz, temperature, float(x.std()), unit, bearing.d_ball
-        )
-        text += f'; in {longer:.2g} s: {could}'
-    return [text]
 
 
 def insufficient(

@@ -29,14 +29,13 @@ def test_too_short_a_window_says_what_it_could_have_shown(rng):
     assert f'{said.smallest_detectable:.2g} mm wide' in said.reasons[-1]
 
 
-def test_window_of_too_few_turns_says_what_is_missing_and_that_nothing_would_have_shown(rng):
+def test_window_of_too_few_turns_says_what_is_missing(rng):
     x = rng.standard_normal(2560)
     said = _of_twin(x, 25.0)
     assert said.result == 'insufficient'
     assert np.isnan(said.smallest_detectable)
     # 20 turns for any statement, 50 for a healthy one.
     assert '0.7 s more' in said.reasons[0]
-    assert 'none; in 2 s: one 0.21 mm wide' in said.reasons[-1]
 
 
 def test_no_size_is_claimed_for_a_real_sensor(rng):
@@ -54,9 +53,3 @@ def test_no_size_is_claimed_where_none_was_simulated():
     assert np.isnan(smallest_detectable(1.0, 12.5, **at))
     assert np.isnan(smallest_detectable(2.0, 7.0, **at))
     assert np.isnan(smallest_detectable(60.0, 3.0, **at))
-
-
-def test_of_unreadable_samples_no_smallest_fault_is_named():
-    x = np.full(25600, np.nan)
-    said = diagnose_record(x, RATE, find_bearing('6307'), 25.0)
-    assert len(said.reasons) == 1
