@@ -76,7 +76,8 @@ class Condition(NamedTuple):
         return cls(float(temperature), octaves)
 
 
-class Slope(NamedTuple):
+@dataclass(frozen=True)
+class Slope:
     """Change of a level with one quantity, and the range in which it was learnt."""
 
     mean: float
@@ -190,7 +191,7 @@ def fit_law(
     # range.
     same &= min(half.high - half.low for half in halves) >= 0.5 * (heat.high - heat.low)
     if heat.known and not (same and _at_once(levels, temperatures, octaves)):
-        return replace(whole, temperature=heat._replace(known=False))
+        return replace(whole, temperature=replace(heat, known=False))
     return whole
 
 
@@ -327,11 +328,6 @@ def _median(values: NDArray[np.float64]) -> float:
     return 0.5 * float(np.partition(values, (low, high))[[low, high]].sum())
 
 
-def _slope(values: list[float]) -> Slope:
-    mean, deviation, low, high, known = values
-    return Slope(mean, deviation, low, high, bool(known))
-
-
 def _place(number: int, span: int) -> int:
     """Return which row of a group is kept: by the golden ratio, in phase with no duty cycle."""
     return int(span * (GOLDEN * number % 1.0))
@@ -363,7 +359,7 @@ class HealthyRecord:
     """Number of levels since the last kept one."""
     fitted: int = 0
     """Number of levels from which the laws were fitted."""
-    slopes: list[list[list[float]]] = field(default_factory=list)
+    known: list[Law] = field(default_factory=list)
     """Laws of the measures: saved so that a resumed run gives the same bits."""
 
     def __post_init__(self) -> None:
@@ -396,7 +392,5 @@ class HealthyRecord:
         if len(self.rows) >= LEAST_ROWS and self.count >= REFIT * self.fitted:
             self.fitted = self.count
             heat, octaves, *levels = np.array(self.rows).T
-            laws = [fit_law(level, heat, octaves) for level in levels]
-            pairs = [(law.temperature, law.octaves) for law in laws]
-            self.slopes = [[list(map(float, slope)) for slope in pair] for pair in pairs]
-        return [Law(*map(_slope, pair)) for pair in self.slopes]
+            self.known = [fit_law(level, heat, octaves) for level in levels]
+        return self.known

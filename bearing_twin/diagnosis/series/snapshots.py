@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 1021
+_VERSION = 1022
 _LARGEST = 64 * 1024 * 1024
 """Largest unpacked size of a saved state, bytes: 5000 points are 2 MB."""
 _SOONER = 0.75

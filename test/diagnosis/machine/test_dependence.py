@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a machine's own record says of temperature and speed; a rise that is small but stays."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 import math
 
 from bearing_twin.bearing import find_bearing
@@ -126,13 +126,13 @@ def test_record_of_a_year_stays_small_and_is_resumed_to_the_bit():
     assert len(record.rows) < 256
     law = record.laws()[0]
     assert law.temperature.mean == pytest.approx(0.1, abs=0.02)
-    again = restored(HealthyRecord, vars(record).copy())
+    again = restored(HealthyRecord, asdict(record))
     assert again == record and again.laws()[0] == law
     for broken in (
         {'rows': [[1.0]]}, {'span': 0}, {'rows': [[60.0, 4.0, math.nan]]}, {'new': 1}, {'rows': 3},
     ):  # fmt: skip
         with pytest.raises(BearingTwinError, match=r'use what save|of another version'):
-            restored(HealthyRecord, vars(record) | broken)
+            restored(HealthyRecord, asdict(record) | broken)
 
 
 def said(level, heat, *bands):
