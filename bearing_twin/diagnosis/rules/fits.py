@@ -59,33 +59,6 @@ def striking_parts(order: float, step: float) -> list[tuple[Bearing, str]]:
     return [(bearings[row], PLACES[part]) for row, part in np.argwhere(fits)]
 
 
-def fitting_speeds(order: float, shaft_hz: float, bearing: Bearing) -> list[str]:
-    """
-    Return shaft speeds within 10 % at which a part of the bearing would make the impacts.
-
-    Parameters
-    ----------
-    order
-        Order of the impacts, multiples of ``shaft_hz``.
-    shaft_hz
-        Speed that was used, Hz.
-    bearing
-        Geometry.
-
-    >>> from bearing_twin.bearing import find_bearing
-    >>> fitting_speeds(3.76, 24.0, find_bearing('6205'))
-    ['25.2 Hz (outer)']
-
-    """
-    orders = fault_orders(bearing)
-    speeds = {place: shaft_hz * order / orders.impacts(place) for place in PLACES}
-    return [
-        f'{hertz:.3g} Hz ({place})'
-        for place, hertz in speeds.items()
-        if abs(hertz / shaft_hz - 1.0) <= _REACH
-    ]
-
-
 def what_fits(
     order: float, step: float, shaft_hz: float, bearing: Bearing, sways: bool = False
 ) -> str:
@@ -97,7 +70,8 @@ def what_fits(
     order, step
         Order of the impacts and its uncertainty, as in :func:`striking_parts`.
     shaft_hz, bearing
-        As in :func:`fitting_speeds`. Bearings of the size of the given one come first.
+        Speed that was used, Hz, and geometry. Speeds within 10 % of this one fit; bearings of the
+        size of this one come first.
     sways
         Whether the impacts have shaft sidebands: inner races come first, else the others.
 
@@ -106,7 +80,12 @@ def what_fits(
     ' a speed of 25.2 Hz (outer) would fit'
 
     """
-    speeds = fitting_speeds(order, shaft_hz, bearing)
+    orders = fault_orders(bearing)
+    speeds = [
+        f'{shaft_hz * ratio:.3g} Hz ({place})'
+        for place in PLACES
+        if abs((ratio := order / orders.impacts(place)) - 1.0) <= _REACH
+    ]
     text = f'; a speed of {" or ".join(speeds)} would fit' if speeds else ''
     parts = sorted(
         striking_parts(order, step),
