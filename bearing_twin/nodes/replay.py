@@ -174,7 +174,8 @@ class ReplayNode(ManagedNode):
         raise error
 
     def _play_through(self) -> None:
-        self._await_subscribers()
+        if not self._await_subscribers():
+            return
         player = self._player
         self.get_logger().info(
             f'replaying {player.path}: {player.info.count} messages, {player.info.duration:.1f} s '
@@ -206,20 +207,25 @@ class ReplayNode(ManagedNode):
         if player.finished:
             self._end()
 
-    def _await_subscribers(self) -> None:
+    def _await_subscribers(self) -> bool:
+        """Wait for the subscribers; return False if the node stops meanwhile."""
         deadline = time.monotonic() + self.parameters['subscriber_timeout']
         namespace = self.get_namespace().rstrip('/')
         names = (name for name in self.parameters['wait_for_nodes'] if name)
         wanted = {name if name.startswith('/') else f'{namespace}/{name}' for name in names}
-        while self._playing and time.monotonic() < deadline:
+        # rclpy prints an error if it is asked after a shutdown.
+        while self._playing and self.context.ok() and time.monotonic() < deadline:
             if all(self._is_heard(p, wanted) for p in self._topics.values()):
-                return
+                return True
             time.sleep(0.02)
-        if self._playing and wanted:
+        if not (self._playing and self.context.ok()):
+            return False
+        if wanted:
             self.get_logger().warning(
                 f'{", ".join(sorted(wanted))}: not subscribed to every topic after '
                 f'{self.parameters["subscriber_timeout"]:g} s; they may miss the first messages'
             )
+        return True
 
     def _is_heard(self, publisher: Publisher[Any], wanted: set[str]) -> bool:
         matched = publisher.get_subscription_count()

@@ -76,8 +76,9 @@ class TwinTopics:
     def await_subscribers(self, count: int, deadline: float = math.inf) -> None:
         """Wait for ``count`` subscribers to the vibration, at most 10 s or until ``deadline``."""
         deadline = min(deadline, time.monotonic() + LONGEST_WAIT)
-        while self.vibration.get_subscription_count() < count:
-            if time.monotonic() > deadline or not self._node.context.ok():
+        # rclpy prints an error if it is asked after a shutdown.
+        while self._node.context.ok() and self.vibration.get_subscription_count() < count:
+            if time.monotonic() > deadline:
                 return
             time.sleep(0.02)
 

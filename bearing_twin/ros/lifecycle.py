@@ -155,8 +155,7 @@ class ManagedNode(LifecycleNode):
         self._managed = True
         while self.preparation.is_alive():
             self.preparation.join(0.1)
-            if not self.context.ok():
-                return TransitionCallbackReturn.FAILURE
+            self._end_if_interrupted()
         self._unconfigured = entities(self)
         result = self._attempt_or_undo(self.setup, self._unconfigured)
         if result == TransitionCallbackReturn.SUCCESS:
@@ -169,6 +168,7 @@ class ManagedNode(LifecycleNode):
             gc.freeze()
         else:
             self.states.release()
+        self._end_if_interrupted()
         return result
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -180,6 +180,8 @@ class ManagedNode(LifecycleNode):
         self.active = result == TransitionCallbackReturn.SUCCESS
         if not self.active:
             super().on_deactivate(state)
+        self._end_if_interrupted()
+        if not self.active:
             return result
         # Not an error: a parameter file may be shared with other nodes. Only now all topics are
         # known, whose QoS can be given.
@@ -229,6 +231,15 @@ class ManagedNode(LifecycleNode):
     def _apply(self, values: Mapping[str, Any]) -> None:
         if self.configured:
             self.apply(values)
+
+    def _end_if_interrupted(self) -> None:
+        """
+        Raise KeyboardInterrupt after a step during which a signal came.
+
+        rclpy cannot publish the end of the transition any more, and would log this as an error.
+        """
+        if not self.context.ok():
+            raise KeyboardInterrupt
 
     def _attempt_or_undo(self, step: Any, before: set[Any]) -> TransitionCallbackReturn:
         """Attempt a step; if it fails, destroy the entities that it has made."""

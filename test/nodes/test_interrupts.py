@@ -43,6 +43,8 @@ sys.meta_path.insert(0, Interrupt())
 """
 """Presses Ctrl-C where a module is about to be loaded."""
 
+SCHEDULE = Path(__file__).parents[2] / 'recordings' / 'paper_schedule.mcap'
+
 PAUSES = (0.0, 0.001, 0.01, 0.05)
 """From the first interrupt to the second, s."""
 
@@ -79,6 +81,27 @@ def test_a_node_that_has_ended_is_known_no_longer(
     # The middleware forgets a node that is only killed after 20 s.
     known = probe.node.get_node_names
     probe.until(lambda: name not in known(), 'its leave', timeout=10.0)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('name', 'parameters'),
+    [
+        ('twin', {'wait_for_subscribers': 1}),
+        ('replay', {'recording': str(SCHEDULE), 'subscriber_timeout': 3600.0}),
+    ],
+)
+def test_an_interrupt_while_a_node_waits_for_subscribers_prints_no_error(
+    nodes: NodeProcesses, probe: Probe, tmp_path: Path, name: str, parameters: dict[str, object]
+) -> None:
+    nodes.start(name, parameters)
+    # It publishes its topics, and waits.
+    topic = {'twin': '/vibration', 'replay': '/temperature'}[name]
+    probe.until(lambda: probe.node.count_publishers(topic), 'the node')
+    probe.spin(0.5)
+    assert nodes.end(name) == 0
+    lines = (tmp_path / 'logs' / f'{name}.log').read_text().splitlines()
+    assert [line for line in lines if not line.startswith('[INFO]')] == []
 
 
 @pytest.mark.ros

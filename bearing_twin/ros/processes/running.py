@@ -145,7 +145,7 @@ def _work(node: ManagedNode) -> None:
         _prepare(node, executor)
         node.bring_up()
         executor.spin()
-    except Exception:
+    except (Exception, KeyboardInterrupt):
         if not node.context.ok():
             # A signal shuts down the context at once, even during a callback that publishes.
             raise ExternalShutdownException from None
