@@ -39,7 +39,7 @@ TEXTS = {
     TemperatureStatus.CLAMPED: (
         f'temperature is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC: the nearest end is used'
     ),
-    TemperatureStatus.BACKWARDS: 'stamps run backwards: the last valid temperature is held',
+    TemperatureStatus.BACKWARDS: 'stamps do not rise: the last valid temperature is held',
 }
 
 

@@ -10,9 +10,9 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.stamps import stamp_ns
+from bearing_twin.stamps import NANO, stamp_ns
 from bearing_twin.streams.shaft import FASTEST_SHAFT, ShaftSpeed
-from bearing_twin.thermal.gate import TemperatureGate
+from bearing_twin.thermal.gate import TemperatureGate, TemperatureStatus
 from bearing_twin.thermal.gcr15 import TABLE_LOW
 import numpy as np
 
@@ -200,6 +200,9 @@ class Inputs:
         self.settled = False
         """Whether the model has a temperature: from a first reading or a loaded state."""
         self.gate = TemperatureGate(start=start, timeout=timeout)
+        self._stamp = 0
+        # Why the last reading was refused; '' if it was taken.
+        self._refused = ''
         # Another source is accepted when the temperature of the first one is stale.
         self._sources = SourceLock(timeout, timeout)
         self.shaft = ShaftSpeed(nominal=nominal, joint=joint, highest=highest, hold=hold)
@@ -208,7 +211,17 @@ class Inputs:
         """Take a ``sensor_msgs/Temperature``; only the first of several publishers counts."""
         now = self.clock()
         if self._sources.accept((info or {}).get('publisher_gid'), now):
-            self.gate.offer(message.temperature, stamp=stamp_ns(message.header.stamp), now=now)
+            former, self._stamp = self._stamp, stamp_ns(message.header.stamp)
+            status = self.gate.offer(message.temperature, stamp=self._stamp, now=now)
+            self._refused = ''
+            if status is TemperatureStatus.BACKWARDS:
+                how = 'stand still' if self._stamp == former else 'run backwards'
+                self._refused = (
+                    f'the stamps of temperature {how} at {self._stamp / NANO:.3f} s: stamp each '
+                    'reading when it is measured'
+                )
+            elif status is TemperatureStatus.INVALID:
+                self._refused = f'the last temperature received is {message.temperature:g} degC'
             reading = self.gate.at(now)
             if not (self.settled or math.isnan(reading.taken)):
                 self.settled = True
@@ -227,11 +240,12 @@ class Inputs:
         """Return the shaft speed to use for a block of ``length`` (s) that ends now, Hz."""
         return self.shaft.at(self.clock(), length)
 
-    def problems(self) -> tuple[str, str]:
-        """Return the problems of shaft speed and temperature sources as texts; '' for none."""
+    def problems(self) -> tuple[str, str, str]:
+        """Return the problems of shaft speed, temperature sources and readings; '' for none."""
         now = self.clock()
         several = 'several sources of temperature: only the first is used'
-        return self.shaft.problem(now), several if self._sources.contested(now) else ''
+        contested = several if self._sources.contested(now) else ''
+        return self.shaft.problem(now), contested, self._refused
 
     def set_timeout(self, timeout: float) -> None:
         """Set the age above which a temperature is stale, s."""
