@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from std_msgs.msg import MultiArrayLayout
 
 
-CROWDED_SHOWN = 10.0
-"""Time for which stamps that were too near to each other are reported, s."""
+SHOWN = 10.0
+"""Time for which NaN samples, and stamps that were too near to each other, are reported, s."""
 ARRAY = 'float32_multi_array'
 IMU = 'imu'
 
@@ -121,7 +121,8 @@ class AdapterNode(ManagedNode):
         self._untimed = 0
         self._problem = ''
         self._refused = 0
-        self._arrived = self._crowded = math.nan
+        self._unusable = 0
+        self._arrived = self._crowded = self._spoilt = math.nan
         self._until = 0
         self._vibration = advertise(self, Vibration, 'vibration', STREAM)
         self.health = Health(self, p['hardware_id'] or self.get_namespace())
@@ -143,7 +144,9 @@ class AdapterNode(ManagedNode):
         p = self.parameters
         rate = p['sample_rate']
         try:
-            check_layout(message.layout, p['channels'], interleaved=p['interleaved'])
+            check_layout(
+                message.layout, len(message.data), p['channels'], interleaved=p['interleaved']
+            )
             samples = split_channels(
                 np.asarray(message.data), p['channels'], interleaved=p['interleaved']
             )
@@ -245,6 +248,10 @@ class AdapterNode(ManagedNode):
             self._sent += block.samples.shape[1]
             values = block.samples * np.float32(p['scale'])
             channels = p['channel_x'], p['channel_y']
+            chosen = values[[c for c in channels if c >= 0]]
+            if unusable := int((~np.isfinite(chosen)).any(axis=0).sum()):
+                self._unusable += unusable
+                self._spoilt = self._arrived
             x, y = (values[c] if c >= 0 else values[0, :0] for c in channels)
             self._vibration.publish(
                 Vibration(
@@ -276,6 +283,7 @@ class AdapterNode(ManagedNode):
                 'sample_rate_measured_hz': self._meter.rate,
                 'samples_published': self._sent,
                 'samples_lost': self._lost,
+                'samples_not_finite': self._unusable,
                 'samples_before_clock': self._untimed,
                 'source_restarts': self._restarts,
                 'messages_refused': self._refused,
@@ -312,7 +320,12 @@ class AdapterNode(ManagedNode):
                     'lost'
                 )
             return Level.ERROR if wrong.refused else Level.WARN, wrong.text
-        if self._arrived - self._crowded < CROWDED_SHOWN:
+        if self._arrived - self._spoilt < SHOWN:
+            return Level.WARN, (
+                f'{self._unusable} samples are NaN or infinite, of which no verdict comes: check '
+                'sensor and driver'
+            )
+        if self._arrived - self._crowded < SHOWN:
             return Level.WARN, (
                 'stamps are late and then too near to each other, so that samples count as lost: '
                 'stamp them where the sensor is read, or send blocks (source float32_multi_array)'
@@ -320,28 +333,42 @@ class AdapterNode(ManagedNode):
         return Level.OK, 'samples are fresh'
 
 
-def check_layout(layout: MultiArrayLayout, channels: int, *, interleaved: bool) -> None:
+def check_layout(
+    layout: MultiArrayLayout, values: int, channels: int, *, interleaved: bool
+) -> None:
     """
-    Refuse an array whose layout contradicts the parameters; an empty layout is accepted.
+    Refuse an array whose layout contradicts its data or the parameters; it may be empty.
+
+    Parameters
+    ----------
+    layout
+        Layout of the message.
+    values
+        Number of values in the message.
+    channels, interleaved
+        Parameters of the node.
 
     Raises
     ------
     BearingTwinError
-        If its two dimensions are not the samples and channels of the parameters, or if it has a
-        data offset.
+        If the dimensions are not as many values as there are, or not the samples and channels of
+        the parameters, or if there is a data offset.
 
     """
     if layout.data_offset:
         msg = f'data_offset={layout.data_offset}: arrays whose data begin at 0 are taken'
         raise BearingTwinError(msg)
     sizes = [each.size for each in layout.dim]
-    if len(sizes) == 2 and sizes[1 if interleaved else 0] != channels:
-        if sizes[0 if interleaved else 1] == channels > 1:
+    told = ' x '.join(map(str, sizes))
+    if sizes and math.prod(sizes) != values:
+        msg = f'the message says {told} values and has {values}: correct its layout, or omit it'
+        raise BearingTwinError(msg)
+    if len(sizes) > 1 and sizes[-1 if interleaved else 0] != channels:
+        if sizes[0 if interleaved else -1] == channels > 1:
             remedy = f'interleaved to {str(not interleaved).lower()}'
         else:
-            remedy = f'channels to {sizes[1 if interleaved else 0]}'
-        msg = f'the message says {sizes[0]} x {sizes[1]}, not {channels} channels: set {remedy}'
-        raise BearingTwinError(msg)
+            remedy = f'channels to {sizes[-1 if interleaved else 0]}'
+        raise BearingTwinError(f'the message says {told}, not {channels} channels: set {remedy}')
 
 
 NODE = AdapterNode

@@ -26,7 +26,7 @@ from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from builtin_interfaces.msg import Time
 import rclpy
 from sensor_msgs.msg import Imu, Temperature
-from std_msgs.msg import Float32MultiArray
+from std_msgs.msg import Float32MultiArray, MultiArrayDimension
 from std_srvs.srv import Trigger
 import yaml
 
@@ -86,6 +86,41 @@ def test_a_foreign_accelerometer_reaches_the_diagnosis(nodes, probe):
     assert probe.status(name)[0] == b'\x02'
     assert nodes.end('adapter', by=signal.SIGTERM) == 0
     assert nodes.end('diagnosis', by=signal.SIGTERM) == 0
+
+
+def test_samples_that_are_no_numbers_or_contradict_their_layout_are_told(nodes, probe):
+    nodes.start('adapter', {'sample_rate': 1000.0, 'block_size': 100, **DEEP_ADAPTER})
+    probe.watch_diagnostics()
+    blocks = probe.collect(Vibration, 'vibration')
+    name = 'adapter: accelerometer input'
+    sent, start = [], time.monotonic()
+
+    def feed(size=100, value=0.0):
+        def send():
+            while start + len(sent) * 0.1 < time.monotonic():
+                sent.append(np.array([value, *range(99)], np.float32))
+                message = Float32MultiArray(data=floats(sent[-1]))
+                message.layout.dim = [MultiArrayDimension(size=size)]
+                probe.publish('samples', message, depth=1000)
+
+        return send
+
+    def told(text):
+        return lambda: text in probe.status(name)[1] and blocks
+
+    probe.until(told('samples are fresh'), 'the samples', every=feed())
+    probe.until(told('samples are NaN or infinite'), 'the NaN', every=feed(value=np.nan))
+    assert probe.status(name)[0] == b'\x01'
+    # They are passed on: the diagnosis says what it cannot use, and nothing is lost unseen.
+    probe.until(lambda: np.isnan(blocks[-1].y[0]), 'a block with NaN', every=feed(value=np.nan))
+    said = 'message refused: the message says 99 values and has 100: correct its layout'
+    probe.until(told(said), 'the refusal', every=feed(size=99))
+    assert probe.status(name)[0] == b'\x02'
+    assert int(probe.status(name)[2]['samples_not_finite']) > 0
+    lost = int(probe.status(name)[2]['samples_lost'])
+    # What was refused is missing in the index of the next block.
+    probe.until(lambda: int(probe.status(name)[2]['samples_lost']) > lost, 'the gap', every=feed())
+    assert nodes.end('adapter') == 0
 
 
 def test_samples_missing_from_an_imu_are_seen_in_the_index(nodes, probe):

@@ -352,12 +352,17 @@ def test_two_assets_do_not_share_a_state(tmp_path, folder):
 @pytest.mark.parametrize(
     ('sizes', 'channels', 'interleaved', 'text'),
     [
+        ((1000,), 1, True, 'says 1000 values and has 3000: correct its layout'),
+        ((1000, 4), 3, True, 'says 1000 x 4 values and has 3000'),
+        ((0, 3), 3, True, 'says 0 x 3 values'),
+        ((3, 1000, 1), 1, False, 'set channels to 3'),
+        ((2, 500, 3), 3, True, ''),
         ((1000, 3), 1, True, 'set channels to 3'),
         ((3, 1000), 3, True, 'set interleaved to false'),
         ((1000, 3), 3, False, 'set interleaved to true'),
         ((1000, 3), 3, True, ''),
         ((3, 1000), 3, False, ''),
-        ((1000,), 1, True, ''),
+        ((3000,), 1, True, ''),
         ((), 2, True, ''),
     ],
 )
@@ -367,10 +372,10 @@ def test_an_array_that_is_arranged_in_another_way_is_refused(sizes, channels, in
 
     layout = MultiArrayLayout(dim=[MultiArrayDimension(size=size) for size in sizes])
     if not text:
-        check_layout(layout, channels, interleaved=interleaved)
+        check_layout(layout, 3000, channels, interleaved=interleaved)
         layout.data_offset, text = 8, 'begin at 0'
     with pytest.raises(BearingTwinError, match=text):
-        check_layout(layout, channels, interleaved=interleaved)
+        check_layout(layout, 3000, channels, interleaved=interleaved)
 
 
 @pytest.mark.ros
