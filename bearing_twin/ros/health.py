@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 PLAIN = str.maketrans({'"': "'", '\n': ' ', '\\': '/'})
 PARTS = 64
 """Most statuses per message: they take 1 to 2 ms, which a block can wait."""
-NAMESAKE_AFTER = 30.0
-"""Time after which a second node of one name counts: a killed one stays known for 20 s."""
+RIVAL_AFTER = 30.0
+"""Time after which a second node of one name, or a second publisher of one topic, counts: a killed
+one stays known for 20 s."""
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')
 
 
@@ -87,6 +88,7 @@ class Health:
         self._node = node
         self._spells: dict[str, _Spell] = {}
         self._unique = time.monotonic()
+        self._shared: dict[str, float] = {}
         self.tasks: dict[str, tuple[Callable[[], Status], str]] = {}
         """Function that returns the status, and the asset, by part."""
         self._turn = 0
@@ -112,10 +114,11 @@ class Health:
         array.header.stamp = self._node.get_clock().now().to_msg()
         name = self._node.get_fully_qualified_name().lstrip('/')
         begin, self._turn = self._turn, self._turn + PARTS
+        self._count_publishers(begin // PARTS)
         for part, (task, hardware_id) in islice(self.tasks.items(), begin, self._turn):
             status = task()
-            if begin == 0 and not array.status and (why := self._namesake()):
-                status = status._replace(level=Level.ERROR, message=f'{why}; {status.message}')
+            if begin == 0 and not array.status:
+                status = self._with_rivals(status)
             self._log(part, status)
             level, message, values, _ = status
             array.status.append(
@@ -131,15 +134,51 @@ class Health:
         if self._turn >= len(self.tasks):
             self._turn = 0
 
+    def _with_rivals(self, status: Status) -> Status:
+        """Return a status with what other nodes have in common with this one, if anything."""
+        if why := self._namesake():
+            return status._replace(level=Level.ERROR, message=f'{why}; {status.message}')
+        if why := self._rivals():
+            level = Level.WARN if status.level is Level.OK else status.level
+            return status._replace(level=level, message=f'{why}; {status.message}')
+        return status
+
     def _namesake(self) -> str:
         """Return that another node has the name of this one; '' if there is none."""
         us, now = (self._node.get_name(), self._node.get_namespace()), time.monotonic()
         if self._node.get_node_names_and_namespaces().count(us) < 2:
             self._unique = now
-        if now - self._unique < NAMESAKE_AFTER:
+        if now - self._unique < RIVAL_AFTER:
             return ''
         name = self._node.get_fully_qualified_name()
         return f'another node is called {name}, too: end it, or give it another name or namespace'
+
+    def _count_publishers(self, turn: int) -> None:
+        """Note since when topics of this node have other publishers; a share of them a turn."""
+        own = [p for p in self._node.publishers if getattr(p, 'is_activated', False)]
+        if not own:
+            self._shared.clear()
+        for publisher in own[turn :: math.ceil(len(self.tasks) / PARTS)]:
+            topic = publisher.topic_name
+            if self._node.count_publishers(topic) > 1:
+                self._shared.setdefault(topic, time.monotonic())
+            else:
+                self._shared.pop(topic, None)
+
+    def _rivals(self) -> str:
+        """Return which other nodes publish on topics of this one; '' if there are none."""
+        since = time.monotonic() - RIVAL_AFTER
+        topics = sorted(topic for topic, began in self._shared.items() if began <= since)
+        if not topics:
+            return ''
+        infos = self._node.get_publishers_info_by_topic(topics[0])
+        names = {f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos}
+        others = ', '.join(sorted(names - {self._node.get_fully_qualified_name()}))
+        more = f' and {len(topics) - 1} more topics of this node' if len(topics) > 1 else ''
+        return (
+            f'{others or "this node itself"} publishes on {topics[0]}{more}, too: end it, or give '
+            'it another namespace'
+        )
 
     def _log(self, part: str, status: Status) -> None:
         key = (status.level, status.kind or NUMBER.sub('', status.message))

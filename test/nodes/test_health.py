@@ -16,17 +16,20 @@ import pytest
 pytest.importorskip('rclpy')
 
 from bearing_twin.assets.messages import time_message
+from bearing_twin.nodes.diagnosis import DiagnosisNode
 from bearing_twin.nodes.diagnosis_topics import verdict_status
 from bearing_twin.ros.health import _text, Health, known, Level, PARTS, Status
 from bearing_twin.stamps import NANO
 from bearing_twin.thermal.gate import TemperatureStatus
 from diagnostic_msgs.msg import DiagnosticArray
 import rclpy
+from rclpy.lifecycle import TransitionCallbackReturn
 from sensor_msgs.msg import Temperature
 
 pytestmark = pytest.mark.ros
 
 INPUT = 'twin: temperature input'
+VIBRATION = 'diagnosis: vibration input'
 STALE = str(int(TemperatureStatus.STALE))
 
 
@@ -125,7 +128,7 @@ def test_what_a_status_speaks_of_is_never_the_root(node, given, named):
 
 
 def test_a_second_node_of_one_name_is_told(node, nodes, monkeypatch):
-    monkeypatch.setattr('bearing_twin.ros.health.NAMESAKE_AFTER', 0.5)
+    monkeypatch.setattr('bearing_twin.ros.health.RIVAL_AFTER', 0.5)
     heard = []
     node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 100)
     health = Health(node, '')
@@ -150,6 +153,34 @@ def test_a_second_node_of_one_name_is_told(node, nodes, monkeypatch):
     assert of_second == ok
     assert nodes.end('recorder') == 0
     assert until_first(ok) == ('fine', ok)
+
+
+def test_a_second_publisher_of_a_topic_is_told(here, nodes, probe, monkeypatch):
+    monkeypatch.setattr('bearing_twin.ros.health.RIVAL_AFTER', 0.5)
+    node = here(DiagnosisNode)
+    for trigger in (node.trigger_configure, node.trigger_activate):
+        assert trigger() is TransitionCallbackReturn.SUCCESS
+    probe.watch_diagnostics()
+
+    def until_told(what):
+        status = probe.until(
+            lambda: (status := probe.status(VIBRATION)).message.startswith(what) and status,
+            what,
+            every=node.health.publish,
+        )
+        return status.level, status.message
+
+    assert until_told('no vibration') == (Level.STALE.value, 'no vibration yet')
+    # Its own topics are not those of the first one, but the verdicts.
+    second = ('-r', '__ns:=/line2', '-r', 'diagnosis:=/diagnosis')
+    nodes.start('diagnosis', {}, ros=second)
+    _, message = until_told('/line2/diagnosis publishes on /diagnosis, too: end it')
+    assert message.endswith('namespace; no vibration yet')
+    nodes.start('diagnosis', {}, name='third', ros=('-r', '__node:=third'))
+    until_told('/line2/diagnosis, /third publishes on /diagnosis and ')
+    for name in ('diagnosis', 'third'):
+        assert nodes.end(name) == 0
+    until_told('no vibration')
 
 
 def test_statuses_of_a_large_fleet_are_spread_over_the_second(node):
