@@ -4,9 +4,43 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+REFUSED = 2
+"""Exit status of a command or node that refuses its arguments or parameters, whatever files, disk
+and network are like: the same call fails again. Any other failure ends with 1."""
+
 
 class BearingTwinError(Exception):
     """Input cannot be used; the text names the value, the limit and the remedy."""
+
+
+class UsageError(BearingTwinError):
+    """The call itself cannot be used; the exit status is :data:`REFUSED`."""
+
+
+@contextmanager
+def refused() -> Iterator[None]:
+    """
+    Turn errors about a given value into :class:`UsageError`.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> with refused():
+    ...     find_bearing('6307').name
+    '6307'
+
+    """
+    try:
+        yield
+    except BearingTwinError as error:
+        raise UsageError(str(error)) from None
 
 
 def shown(text: object, keep: str = '') -> str:

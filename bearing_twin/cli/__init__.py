@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.cli.arguments import refuse_unknown, take_as_meant
 from bearing_twin.cli.terminal import mend_streams, report_compiling
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import BearingTwinError, REFUSED, shown, UsageError
 from bearing_twin.memory import begin_collection, keep_freed_memory
 
 if TYPE_CHECKING:
@@ -65,7 +65,10 @@ SLOW = 5.0
 
 def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int) -> int:
     """
-    Run ``bearing-twin``; return the exit status: 0 only if it did what was asked.
+    Run ``bearing-twin``; return the exit status.
+
+    It is 0 only if it did what was asked, 2 (:data:`~bearing_twin.errors.REFUSED`) if the call is
+    refused, 1 if anything else fails, such as a file, and 130 after an interrupt.
 
     Parameters
     ----------
@@ -142,7 +145,7 @@ def _status(args: argparse.Namespace) -> int:
     except BearingTwinError as error:
         text = shown(error, keep='\n')
         print(f'bearing-twin {args.command}: {text}', file=sys.stderr)
-        return 1
+        return REFUSED if isinstance(error, UsageError) else 1
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:

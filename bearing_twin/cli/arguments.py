@@ -11,7 +11,7 @@ from pathlib import Path
 import re
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import shown, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -27,7 +27,7 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
     given = [name for name in options if getattr(args, name) != default(name)]
     if given:
         names = ', '.join(f'--{name.replace("_", "-")}' for name in given)
-        raise BearingTwinError(f'{names}: {why}')
+        raise UsageError(f'{names}: {why}')
 
 
 def refuse_unknown(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
@@ -81,11 +81,11 @@ def refuse_topic(name: str) -> None:
     """Raise if a --topic is not a valid ROS name."""
     if not TOPIC.fullmatch(name):
         msg = f'--topic {name!r}: letters, digits, _, parts split by /, e.g. /temperature'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
 
 
 def processes(asked: int | None, tasks: int) -> int:
     """Return the number of processes for some tasks: as asked for, else one per core."""
     if asked is not None and asked < 1:
-        raise BearingTwinError(f'--jobs {asked}: at least one process is needed')
+        raise UsageError(f'--jobs {asked}: at least one process is needed')
     return max(1, min(asked or len(os.sched_getaffinity(0)), tasks))

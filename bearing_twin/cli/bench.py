@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.bench.figures import Figure, FIGURES
 from bearing_twin.cli.terminal import by_level
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, UsageError
 
 if TYPE_CHECKING:
     import argparse
@@ -63,10 +63,10 @@ def run(args: argparse.Namespace) -> int:
     unknown = [name for name in args.names if name not in BENCHES]
     if unknown:
         msg = f'there is no bench {", ".join(unknown)}; there are {", ".join(BENCHES)}'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     live = args.live or args.calibrate
     if live and not 5.0 <= args.seconds <= LONGEST:
-        raise BearingTwinError(f'--seconds {args.seconds:g}: a live run takes 5 to {LONGEST:g} s')
+        raise UsageError(f'--seconds {args.seconds:g}: a live run takes 5 to {LONGEST:g} s')
     figures: dict[str, float] = {}
     failed = 0
     names = args.names or ([] if live else list(BENCHES))

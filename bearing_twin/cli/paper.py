@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import UsageError
 from bearing_twin.paper import claims_table, recompute, summary_line
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     """Recompute; return 0 when everything was written."""
     if not 1 <= args.processes <= 256:
         msg = f'--processes {args.processes} is outside 1..256; leave it out to use every core'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     claims = recompute(args.out, processes=args.processes)
     if args.json:
         entries = [claim.to_dict() for claim in claims]

@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli.arguments import refuse_topic
 from bearing_twin.cli.signal_arguments import UNITS
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, UsageError
 from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.stamps import samples_ns
 import numpy as np
@@ -69,12 +69,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Play as soon as there is a subscriber; return 0 at the end of the file or of a loop."""
     if not (0.0 < args.speed <= 1000.0 and 1 <= args.block <= 65536):
-        raise BearingTwinError(
+        raise UsageError(
             f'--speed {args.speed:g} --block {args.block}: give a speed above 0, up to 1000, and '
             'a block of 1 to 65536 samples'
         )
     if args.kind == 'float32_multi_array' and args.speed != 1.0:
-        raise BearingTwinError(
+        raise UsageError(
             'a Float32MultiArray has no stamp, so that its sample rate is that of its arrival: '
             '--speed needs --as imu or --as vibration'
         )

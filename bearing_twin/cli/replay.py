@@ -16,7 +16,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli.arguments import refuse_given
 from bearing_twin.cli.terminal import percent
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import shown, UsageError
 import yaml
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def _offline(args: argparse.Namespace) -> int:
     from bearing_twin.offline.run import run_offline
 
     if args.output is None:
-        raise BearingTwinError('an offline replay writes a new recording: name it with -o')
+        raise UsageError('an offline replay writes a new recording: name it with -o')
     began = time.perf_counter()
     with _interrupts() as interrupted:
         report = run_offline(
@@ -144,11 +144,11 @@ def _parameters(words: list[str]) -> dict[str, Any]:
     for word in words:
         name, separator, text = word.partition('=')
         if not separator:
-            raise BearingTwinError(f'{word!r} does not read NAME=VALUE')
+            raise UsageError(f'{word!r} does not read NAME=VALUE')
         try:
             # YAML reads nothing as null; here it is an empty text.
             values[name] = yaml.safe_load(text) if text else ''
         except (yaml.YAMLError, ValueError, RecursionError) as error:
             # A date that does not exist is a ValueError, and deep nesting a RecursionError.
-            raise BearingTwinError(f'{word[:80]!r} cannot be read: {error}') from None
+            raise UsageError(f'{word[:80]!r} cannot be read: {error}') from None
     return values

@@ -11,7 +11,7 @@ import tempfile
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import UsageError
 from bearing_twin.wholefile import output_file
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     output: Path = args.output or Path(f'{_name(args.recording)}.html')
     if output.suffix.lower() not in ('.html', '.htm', '.pdf'):
         msg = f'{output} is not called .html or .pdf; a report never overwrites a recording'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     # Matplotlib takes a second to load; a wrong name is reported before.
     from bearing_twin.view.report.page import report_page
     from bearing_twin.view.report.pdf import pdf_of

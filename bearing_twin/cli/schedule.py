@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import refuse_given, refuse_topic
+from bearing_twin.errors import refused
 from bearing_twin.recording.schedule import (
     paper_schedule,
     read_temperatures,
@@ -43,7 +44,8 @@ def run(args: argparse.Namespace) -> int:
         times, temperatures, start = read_temperatures(args.measured)
         source = f'measured, {args.measured.name}'
     else:
-        (times, temperatures), start = paper_schedule(args.duration), START
+        with refused():
+            (times, temperatures), start = paper_schedule(args.duration), START
         source = 'schedule of the paper: 20 to 110 degC in proportion to time'
     write_temperature_recording(
         args.output, times, temperatures, source=source, topic=args.topic, start=start

@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
 from bearing_twin.cli.arguments import file_name, refuse_given
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import refused, UsageError
 from bearing_twin.recording.finding import ending, find_recording, SIGNAL_FILES
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
 
@@ -68,9 +68,10 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
 
 def given_bearing(args: argparse.Namespace) -> Bearing | None:
     """Return the bearing that was given; None if none was."""
-    if args.geometry:
-        return own_bearing(args.geometry)
-    return find_bearing(args.bearing) if args.bearing else None
+    with refused():
+        if args.geometry:
+            return own_bearing(args.geometry)
+        return find_bearing(args.bearing) if args.bearing else None
 
 
 def given_speed(args: argparse.Namespace) -> float:
@@ -83,7 +84,7 @@ def given_speed(args: argparse.Namespace) -> float:
     shaft_hz: float = factor * given
     if not 0.0 < shaft_hz < FASTEST:
         msg = f'{name} {given:g}: give a speed above 0 and below {FASTEST / factor:g}'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     return shaft_hz
 
 

@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 from bearing_twin.cli.arguments import refuse_given
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
 from bearing_twin.cli.terminal import percent
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import BearingTwinError, shown, UsageError
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
 from bearing_twin.view.style import PAGES
 from bearing_twin.wholefile import output_file
@@ -75,10 +75,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Show; return 0 once it is shown. Topics that cannot be drawn are named on stderr."""
     if bool(args.live) == bool(args.recordings):
-        raise BearingTwinError('name a recording, or --live for what is running')
+        raise UsageError('name a recording, or --live for what is running')
     if args.live and args.save:
         msg = '--save keeps recordings only; a recorder keeps what is live with -p rerun_file:=RRD'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     if args.screenshot:
         refuse_given(args, ('web',), 'not with --screenshot, which shows nothing')
     else:
@@ -124,7 +124,7 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
     pictures = [path for path in paths if path.suffix == '.rrd']
     if pictures and len(paths) > 1:
         msg = f'{pictures[0]} is a picture; only MCAP recordings can be shown side by side'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     if args.save and args.save.exists():
         raise BearingTwinError(f'{args.save} exists and is not overwritten; name another file')
     if pictures:
@@ -157,7 +157,7 @@ def _screenshot(args: argparse.Namespace, sources: list[str], folder: Path) -> i
     width, height = map(int, size.groups()) if size else (0, 0)
     if not (10 <= width <= LARGEST and 10 <= height <= LARGEST):
         msg = f'--size {args.size!r}: give WIDTHxHEIGHT, each 10 to {LARGEST}, e.g. 1800x1100'
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     with HeadlessViewer(sources, size=(width, height)) as viewer:
         viewer.wait(args.at)
         viewer.screenshot(folder / 'picture.png')

@@ -11,7 +11,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.parameters.recorder import SPECS
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, UsageError
 from bearing_twin.nodes.recorder_watch import RecordingWatch
 from bearing_twin.recording.health import SENT_BEFORE
 from bearing_twin.recording.recover import find_unfinished
@@ -296,7 +296,7 @@ def build_writer(values: Mapping[str, Any]) -> RecordingWriter:
     path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
     if not path.name:
         msg = f"output='{path}' has no name of its own: give a new folder, or a file .mcap"
-        raise BearingTwinError(msg)
+        raise UsageError(msg)
     path = free_path(path)
     options = WriterOptions(
         compression=values['compression'],

@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import time_message
 from bearing_twin.assets.parameters.spec import fixed, parameter
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import BearingTwinError, shown, UsageError
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.player import Player
 from bearing_twin.ros.health import Health, Level, Status
@@ -99,7 +99,7 @@ class ReplayNode(ManagedNode):
     def _open(self) -> Player:
         p = self.parameters
         if not p['recording']:
-            raise BearingTwinError("parameter recording is empty; give it: '-p recording:=FILE'")
+            raise UsageError("parameter recording is empty; give it: '-p recording:=FILE'")
         topics = [topic for topic in p['topics'] if topic]
         return Player(
             Path(p['recording']),

@@ -18,7 +18,7 @@ from bearing_twin.assets.parameters.spec import configuration, read_values
 from bearing_twin.assets.twin import Twin
 from bearing_twin.assets.twin_messages import REALTIME, TwinBlock, TwinBytes, vibration_block
 from bearing_twin.dynamics.limits import Limit
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, refused
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import Output, output
 from bearing_twin.recording.mcap.catalogue import known_fields
@@ -134,8 +134,11 @@ def run_offline(
         msg = f'{source} has temperatures on {", ".join(heard)}: choose one (--temperature TOPIC)'
         raise BearingTwinError(msg)
     topics = [t for t in topics if t in chosen or t not in heard]
-    twin_values = read_values(twin_parameters.SPECS, twin or {})
-    diagnosis_values = read_values(diagnosis_parameters.SPECS, diagnosis or {})
+    with refused():
+        twin_values = read_values(twin_parameters.SPECS, twin or {})
+        diagnosis_values = read_values(diagnosis_parameters.SPECS, diagnosis or {})
+        twin_parameters.build_parameters(twin_values)
+        diagnosis_parameters.check_diagnosis(diagnosis_values)
     report = OfflineReport(target, info.duration)
     threads = workers()
     with (

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import UsageError
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import NANO
 
@@ -44,7 +44,7 @@ class SnapshotWriter(RecordingWriter):
     ) -> None:
         super().__init__(path, options, begin=False)
         if not self.bag or path.exists():
-            raise BearingTwinError(
+            raise UsageError(
                 f'{path}: snapshots need the name of a folder that does not exist yet'
             )
         self.snapshots = 0

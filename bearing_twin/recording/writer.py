@@ -11,7 +11,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.disksync import DiskSync
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, UsageError
 from bearing_twin.quantity import check_fields, quantity
 from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
 from bearing_twin.recording.mcap.schema import message_schema
@@ -342,18 +342,18 @@ class RecordingWriter:
             self.path.name.encode()
         except UnicodeEncodeError:
             msg = f'{str(self.path)!r} is not UTF-8; choose another name'
-            raise BearingTwinError(msg) from None
+            raise UsageError(msg) from None
         splits = o.split_size > 0 or o.split_duration > 0
         if splits:
             self._check_bag()
         if o.delete_oldest and not (splits and o.storage_limit > 0):
             msg = 'deleting the oldest file needs a storage limit, and a split size or duration'
-            raise BearingTwinError(msg)
+            raise UsageError(msg)
 
     def _check_bag(self) -> None:
         if not self.bag:
             msg = f'{self.path} is a single file and cannot be split; give a folder name'
-            raise BearingTwinError(msg)
+            raise UsageError(msg)
 
     def _open(self) -> OutputFile:
         name = f'{self.path.name}_{self._index}.mcap'

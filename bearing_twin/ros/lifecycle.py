@@ -10,7 +10,7 @@ import traceback
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.parameters.shared import AUTOSTART
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import BearingTwinError, shown, UsageError
 from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import PolledGroup
 from bearing_twin.ros.parameters import ParameterSet, read_as_at_start, unknown_at_start
@@ -259,7 +259,9 @@ class ManagedNode(LifecycleNode):
             step()
         except Exception as error:
             if refuses(error):
-                self.refused = not isinstance(error, BearingTwinError)
+                # The refusals of rclpy are of QoS overrides.
+                own = isinstance(error, BearingTwinError)
+                self.refused = not own or isinstance(error, UsageError)
                 self.get_logger().error(shown(error, keep='\n'))
                 return TransitionCallbackReturn.FAILURE
             if not self.context.ok():

@@ -94,7 +94,7 @@ def test_fewer_processes_than_one_are_refused(command, good, tmp_path, capsys):
     }  # fmt: skip
     (tmp_path / 'index.json').write_text(json.dumps({'bearings': {}, 'records': [record]}))
     word = str(good) if command == 'diagnose' else str(tmp_path)
-    assert main([command, word, '--jobs', '-1']) == 1
+    assert main([command, word, '--jobs', '-1']) == 2
     assert '--jobs -1' in capsys.readouterr().err
 
 

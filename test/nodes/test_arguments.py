@@ -3,6 +3,7 @@
 """What is asked for is done or refused, never ignored."""
 
 import os
+from pathlib import Path
 
 from bearing_twin.cli import main
 from bearing_twin.ros.processes.launching import NodeProcesses
@@ -14,6 +15,8 @@ from commands import python
 from forked import run_command
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+
+SCHEDULE = Path(__file__).parents[2] / 'recordings' / 'paper_schedule.mcap'
 
 
 @pytest.mark.ros
@@ -82,15 +85,62 @@ def test_a_network_that_cannot_be_joined_is_named(
 ):
     samples = tmp_path / 'samples.csv'
     samples.write_text('acc\n' + '0.1\n-0.1\n' * 500)
-    for command, expected in (
-        (['run', 'adapter', '--ros-args', '-p', 'sample_rate:=1000.0'], status),
-        (['play', samples, '--rate', '1000'], 1),
+    for command in (
+        ['run', 'adapter', '--ros-args', '-p', 'sample_rate:=1000.0'],
+        ['play', samples, '--rate', '1000'],
     ):
         ran = run_command(*command, **{variable: value})
-        assert ran.returncode == expected, ran.stderr
+        assert ran.returncode == status, ran.stderr
         assert text in ran.stderr
         assert 'Traceback' not in ran.stderr
         assert '2038' not in ran.stderr
+
+
+@pytest.mark.parametrize(
+    ('status', 'words'),
+    [
+        (2, ['replay', 'missing.mcap', '--offline']),
+        (2, ['replay', SCHEDULE, '--offline', '-o', 'new.mcap', '--twin', 'load=5']),
+        (2, ['replay', SCHEDULE, '--offline', '-o', 'new.mcap', '--twin', 'load']),
+        (2, ['diagnose', 'missing.npz', '--shaft-hz', '-1']),
+        (2, ['diagnose', 'missing.npz', '--bearing', '63077']),
+        (2, ['diagnose', 'missing.npz', '--speed-tolerance', '9']),
+        (2, ['diagnose', 'missing.npz', '--series', '--baseline', '-1']),
+        (2, ['play', 'missing.npz', '--block', '0']),
+        (1, ['replay', 'missing.mcap', '--offline', '-o', 'new.mcap']),
+        (1, ['diagnose', 'missing.npz']),
+        *((1, [command, 'missing.mcap']) for command in ('info', 'play', 'recover', 'view')),
+    ],
+)
+def test_a_command_that_is_refused_ends_with_2_and_one_that_lacks_a_file_with_1(
+    status, words, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(list(map(str, words))) == status, capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('status', 'words'),
+    [
+        (2, ['replay']),
+        (2, ['replay', 'recording:=missing.mcap', 'rate:=-1.0']),
+        (2, ['recorder', 'output:=/']),
+        (2, ['recorder', 'output:=a.mcap', 'max_bag_duration:=1.0']),
+        (2, ['recorder', 'output:=a', 'delete_oldest:=true']),
+        (1, ['replay', 'recording:=missing.mcap']),
+        (1, ['recorder', 'output:=/proc/a']),
+    ],
+)
+def test_a_node_that_is_refused_ends_with_2_and_one_that_lacks_a_file_with_1(
+    ros_domain, status, words, tmp_path, monkeypatch
+):
+    name, *given = words
+    monkeypatch.chdir(tmp_path)
+    ran = run_command('run', name, '--ros-args', *(w for each in given for w in ('-p', each)))
+    assert ran.returncode == status, ran.stderr
+    assert 'Traceback' not in ran.stderr
 
 
 def test_a_picture_is_kept_and_what_is_live_is_not(tmp_path, capsys):
@@ -98,7 +148,7 @@ def test_a_picture_is_kept_and_what_is_live_is_not(tmp_path, capsys):
     source.write_bytes(b'picture')
     assert main(['view', str(source), '--save', str(target)]) == 0
     assert target.read_bytes() == b'picture'
-    assert main(['view', '--live', '--save', str(tmp_path / 'c.rrd')]) == 1
+    assert main(['view', '--live', '--save', str(tmp_path / 'c.rrd')]) == 2
     assert '--save' in capsys.readouterr().err
 
 

@@ -38,18 +38,18 @@ SUMMARY = Summary(
 
 @pytest.mark.ros
 @pytest.mark.parametrize(
-    ('words', 'text'),
+    ('words', 'text', 'status'),
     [
-        (['--rate', '0'], 'rate'),
-        (['--rate', 'nan'], 'rate'),
-        (['--defect', 'foo'], "'foo'"),
-        (['--domain-id', '5000'], '5000'),
-        (['--recording', 'missing.mcap'], 'missing.mcap'),
+        (['--rate', '0'], 'rate', 2),
+        (['--rate', 'nan'], 'rate', 2),
+        (['--defect', 'foo'], "'foo'", 2),
+        (['--domain-id', '5000'], '5000', 2),
+        (['--recording', 'missing.mcap'], 'missing.mcap', 1),
     ],
 )
-def test_refused_before_anything_is_written(tmp_path, capsys, ros_domain, words, text):
+def test_refused_before_anything_is_written(tmp_path, capsys, ros_domain, words, text, status):
     out = tmp_path / 'runs'
-    assert main(['demo', '--out', str(out), *words]) == 1
+    assert main(['demo', '--out', str(out), *words]) == status
     assert text in capsys.readouterr().err
     assert not out.exists()
 

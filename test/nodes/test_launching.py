@@ -4,7 +4,8 @@
 
 import os
 
-from bearing_twin.ros.processes.launching import NodeProcesses, REFUSED
+from bearing_twin.errors import REFUSED
+from bearing_twin.ros.processes.launching import NodeProcesses
 import pytest
 
 

@@ -154,7 +154,7 @@ def test_own_folder_is_written_again(tmp_path):
 
 
 def test_processes_out_of_range(tmp_path, capsys):
-    assert main(['paper', '--out', str(tmp_path / 'out'), '--processes', '0']) == 1
+    assert main(['paper', '--out', str(tmp_path / 'out'), '--processes', '0']) == 2
     assert '1..256' in capsys.readouterr().err
     assert not (tmp_path / 'out').exists()
 

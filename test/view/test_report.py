@@ -442,7 +442,7 @@ def test_a_recording_without_a_bearing_is_refused(tmp_path, capsys):
 def test_a_report_never_overwrites_a_recording(tmp_path, capsys):
     copy = tmp_path / 'copy.mcap'
     copy.write_bytes(SCHEDULE.read_bytes())
-    assert cli.main(['report', str(copy), '-o', str(copy)]) == 1
+    assert cli.main(['report', str(copy), '-o', str(copy)]) == 2
     assert 'not called .html' in capsys.readouterr().err
     assert copy.read_bytes() == SCHEDULE.read_bytes()
 

@@ -100,7 +100,7 @@ def test_a_folder_stands_for_the_bag_in_it(recording, tmp_path):
 
 
 def test_the_command_says_what_is_wrong(tmp_path, capsys):
-    assert cli.main(['view']) == 1
+    assert cli.main(['view']) == 2
     assert '--live' in capsys.readouterr().err
     torn = tmp_path / 'x.mcap'
     torn.write_bytes(b'no mcap at all')

@@ -110,5 +110,5 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
 )
 def test_what_would_do_nothing_is_refused(words, said, capsys):
     run = str(Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap')
-    assert cli.main([run if word == 'RUN' else word for word in words]) == 1
+    assert cli.main([run if word == 'RUN' else word for word in words]) == 2
     assert said in capsys.readouterr().err

@@ -17,7 +17,7 @@ from bearing_twin.cli.demo.hidden import find_hidden, HIDDEN
 from bearing_twin.cli.demo.summary import summarise
 from bearing_twin.dynamics.defect_text import defect_places
 from bearing_twin.dynamics.presets import preset
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, refused, UsageError
 from bearing_twin.recording.mcap.schema import shared_folders
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.processes.launching import COMPILING, local_environment, NodeProcesses
@@ -57,8 +57,9 @@ def run(args: argparse.Namespace) -> int:
     recording = args.recording or shipped_schedule()
     info = recording_info(recording)
     if not SLOWEST <= args.rate <= FASTEST:
-        raise BearingTwinError(f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}')
-    preset(PRESET, defect=args.defect)
+        raise UsageError(f'--rate {args.rate:g} is not within {SLOWEST:g}..{FASTEST:g}')
+    with refused():
+        preset(PRESET, defect=args.defect)
     say = (lambda *_: None) if args.json else print
     with _choose_domain(args.domain_id) as domain:
         folder = make_folder(args.out)

@@ -22,7 +22,7 @@ from bearing_twin.cli.signal_arguments import (
 )
 from bearing_twin.cli.terminal import clear_progress, progress, shown_inside
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.errors import shown
+from bearing_twin.errors import refused, shown
 
 if TYPE_CHECKING:
     import argparse
@@ -142,7 +142,8 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
     settings = DiagnosisSettings(power_group=args.power_group, mounting=args.mounting)
     if args.speed_tolerance is not None:
         # Checks the range; each task carries the value, since a varying speed has another default.
-        replace(settings, speed_tolerance=args.speed_tolerance)
+        with refused():
+            replace(settings, speed_tolerance=args.speed_tolerance)
     shaft_hz = given_speed(args)
     return [
         Task(

@@ -16,7 +16,7 @@ from bearing_twin.cli.terminal import by_level, clear_progress, lined_up, plain,
 from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import BearingTwinError, refused, shown, UsageError
 from bearing_twin.quantity import quantities
 from bearing_twin.recording.signals.snapshots import read_snapshots, series_files
 
@@ -84,13 +84,14 @@ def run_series(args: argparse.Namespace, shaft_hz: float) -> int:
 def _settings(args: argparse.Namespace) -> DiagnosisSettings:
     if args.cycle is not None and not 0.0 < args.cycle <= LONGEST_CYCLE:
         msg = f'--cycle {args.cycle:g}: give a time above 0 s and up to {LONGEST_CYCLE:g} s'
-        raise BearingTwinError(msg)
-    return DiagnosisSettings(
-        baseline_windows=args.baseline,
-        series_hold=args.hold,
-        power_group=args.power_group,
-        mounting=args.mounting,
-    )
+        raise UsageError(msg)
+    with refused():
+        return DiagnosisSettings(
+            baseline_windows=args.baseline,
+            series_hold=args.hold,
+            power_group=args.power_group,
+            mounting=args.mounting,
+        )
 
 
 def _bearing(args: argparse.Namespace, said: Bearing | str) -> Bearing | None:

@@ -10,7 +10,7 @@ import socket
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, refused, UsageError
 from bearing_twin.quantity import check_range
 from bearing_twin.ros.processes.launching import ensure_log_folder
 import rclpy
@@ -50,7 +50,8 @@ def initialise(args: Sequence[str] | None) -> None:
     # rclpy itself refuses a text that is no number.
     with suppress(ValueError):
         domain = int(os.environ.get('ROS_DOMAIN_ID', '0'))
-        check_range('ROS_DOMAIN_ID', domain, 0, HIGHEST_DOMAIN, '')
+        with refused():
+            check_range('ROS_DOMAIN_ID', domain, 0, HIGHEST_DOMAIN, '')
     try:
         # Not as a context manager, which rclpy supports only since Kilted.
         rclpy.init(args=list(args) if args is not None else None)
@@ -88,7 +89,7 @@ def inhabitants(domain: int, listen: float) -> list[str]:
 def check_domain(domain: int) -> None:
     """Raise BearingTwinError unless ``domain`` can be used and is empty."""
     if not 0 <= domain <= HIGHEST_DOMAIN:
-        raise BearingTwinError(f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}')
+        raise UsageError(f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}')
     # A process may hold a port by chance, above domain 100: only announcements count.
     others = inhabitants(domain, LISTEN_FOR_NAMES if _ports_are_held(domain) else LISTEN)
     if others:

@@ -10,8 +10,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
-from bearing_twin.ros.processes.launching import PARENT, REFUSED
+from bearing_twin.errors import BearingTwinError, REFUSED
+from bearing_twin.ros.processes.launching import PARENT
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, OpaqueFunction, RegisterEventHandler
 from launch.conditions import IfCondition

@@ -25,8 +25,6 @@ COMPILING = 'compiling the kernel (first start only)'
 """Log message of a node whose start takes long because it compiles."""
 LOADING = 'loading the kernel'
 """Log message of a node whose start takes long because it loads compiled code."""
-REFUSED = 2
-"""Exit status of a node that refuses its parameters or arguments; a restart would not help."""
 PARENT = 'BEARING_TWIN_PARENT'
 """Environment variable with the process id of the launch with which a node ends."""
 COMMAND = (

@@ -14,7 +14,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError, shown
+from bearing_twin.errors import BearingTwinError, REFUSED, shown
 from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
@@ -26,7 +26,6 @@ from bearing_twin.ros.processes.launching import (
     ensure_log_folder,
     LOADING,
     PARENT,
-    REFUSED,
 )
 from bearing_twin.view.rerun.ending import leave
 import rclpy
