@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import statistics
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.combs.comb import order_spectra, OrderSpectra
+from bearing_twin.diagnosis.combs.comb import modulation_index, order_spectra, OrderSpectra
 from bearing_twin.diagnosis.combs.passages import ball_passages
-from bearing_twin.diagnosis.combs.sidebands import comb_index
 from bearing_twin.diagnosis.signal.demodulation import highest_order
 from bearing_twin.diagnosis.signal.periodogram import OverlappingParts, power_of_lines
 from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
@@ -92,7 +91,7 @@ class Window:
         power_of_lines(whole, lines, 0)
         floor = local_floor(lines.T, 2 * self.envelopes.hop).T
         above = replace(self.orders, excess=np.maximum(lines - floor, np.float32(0.0)))
-        return comb_index(above, order)
+        return modulation_index(above.comb_powers(np.array([order]), 0)[0])
 
 
 def analyse_window(

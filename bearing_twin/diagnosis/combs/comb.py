@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 
 _LOWEST_ORDER = 0.3
+_HANN_BINS = 1.5
+"""Noise bandwidth of the Hann window, bins: a line spreads over three."""
+_NUMBERS = np.arange(1.0, HARMONICS + 1)
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,18 @@ class OrderSpectra:
         _three_bins(self.excess, self.quiet, orders.ravel(), self.step, first, power)
         return power.reshape(*orders.shape, -1)
 
+    def comb_powers(self, orders: NDArray[np.float64], band: int) -> NDArray[np.float32]:
+        """
+        Return the relative power of the lines of several combs in one band, (n,).
+
+        >>> spectra = OrderSpectra.of_lines(3.07 * np.arange(1, 5))
+        >>> spectra.comb_powers(np.array([3.07, 6.14]), 0).tolist()
+        [4.0, 2.0]
+
+        """
+        lines = self.line_power(orders[:, None] * _NUMBERS, slice(band, band + 1))
+        return np.asarray(lines.sum(axis=(1, 2)))
+
     def near(self, orders: NDArray[np.float64], half_width: float) -> NDArray[np.bool_]:
         """Return a (K,) mask of the bins within ``half_width`` orders of any of ``orders``."""
         mask = np.zeros(len(self.logs), np.bool_)
@@ -182,6 +197,20 @@ def accumulate(windows: Sequence[OrderSpectra]) -> OrderSpectra:
         logs += share * window.logs[rows]
         excess += share * window.excess[rows]
     return replace(newest, logs=logs, excess=excess, weight=float(len(windows)))
+
+
+def modulation_index(power: float) -> float:
+    """
+    Return the modulation index of a comb by the relative power of its lines, less the noise floor.
+
+    It is the root of the sum over harmonics of the squared relative amplitudes of the squared
+    envelope: m for an envelope 1 + m cos.
+
+    >>> round(modulation_index(4.0), 2)
+    3.27
+
+    """
+    return 2.0 * math.sqrt(float(power) / _HANN_BINS)
 
 
 class CombScores(NamedTuple):

@@ -30,8 +30,8 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.combs.candidate import Candidate
     from bearing_twin.diagnosis.combs.comb import CombScores, OrderSpectra
-    from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands
     from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
+    from bearing_twin.diagnosis.combs.sidebands import CombSidebands
     from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
     from numpy.typing import NDArray
 

@@ -9,15 +9,15 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.diagnosis.combs.candidate import Candidate, RACES, UNTESTED
-from bearing_twin.diagnosis.combs.comb import comb_scores, OrderSpectra
-from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands, SIDEBANDS
+from bearing_twin.diagnosis.combs.comb import comb_scores, modulation_index, OrderSpectra
 from bearing_twin.diagnosis.combs.comb_sums import best_with_slip_cost, highest_elsewhere
 from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
 from bearing_twin.diagnosis.combs.harmonics import CombHarmonics
-from bearing_twin.diagnosis.combs.sidebands import modulation_index, sideband_ratio
-from bearing_twin.diagnosis.signal.lines import count_shown
+from bearing_twin.diagnosis.combs.sidebands import CombSidebands, sideband_ratio, SIDEBANDS
+from bearing_twin.diagnosis.signal.lines import count_shown, nearest_row
 from bearing_twin.diagnosis.signal.spectra import WHITENINGS
 from bearing_twin.diagnosis.thresholds import (
+    CARRIER,
     HARMONICS,
     INDEX_FAULT,
     SLIP,
@@ -25,6 +25,7 @@ from bearing_twin.diagnosis.thresholds import (
     Z_ELSEWHERE,
     Z_FAULT,
 )
+from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
@@ -200,6 +201,60 @@ class CombSearch:
         return self._index(self.spectra, candidate.order, 'any')[0]
 
     def _index(self, spectra: OrderSpectra, order: float, family: str) -> tuple[float, int]:
-        """Return the modulation index of a comb and its band, from the first whitening."""
+        """
+        Return the modulation index of a comb in the strongest band that shows it, and that band.
+
+        The first whitening has the bands. Lines are capped, so that beats of steady lines do not
+        count. A healthy bearing excites its housing at the outer race's frequency and low
+        multiples of it (variable compliance). So bands count for the outer race only if they begin
+        above ``CARRIER`` multiples.
+        """
         scores, _ = self._scores.bands(spectra, order)
-        return modulation_index(spectra, order, scores[: spectra.excess.shape[1]], family)
+        # Half of the bands remain in any case, for low sample rates.
+        half, lowest = 0.5 * float(spectra.carrier.max()), 0.0
+        if family == 'outer':
+            lowest = min(CARRIER * order, half)
+        power = np.zeros(spectra.excess.shape[1], np.float32)
+        band = _strongest_band(
+            spectra.excess, spectra.quiet, order, spectra.step, HARMONICS, scores[: len(power)],
+            spectra.carrier, lowest, power,
+        )  # fmt: skip
+        return modulation_index(power[band]), band
+
+
+@compiled(fast=FAST, borrows=True)
+def _strongest_band(
+    excess: NDArray[np.float32],
+    hidden: NDArray[np.bool_],
+    order: float,
+    step: float,
+    harmonics: int,
+    scores: NDArray[np.float32],
+    carrier: NDArray[np.float32],
+    lowest: float,
+    power: NDArray[np.float32],
+) -> int:
+    """
+    Return the band with the highest power of a comb, of the bands that show it.
+
+    A band shows the comb if its score, (C,), is 3 or more, or the highest of all. The powers of
+    the lines are added to ``power``, (C,). Bands with a carrier below ``lowest`` get no power.
+    """
+    last = len(excess) - 1
+    for harmonic in range(1, harmonics + 1):
+        middle = nearest_row(harmonic * order * (1.0 / step), len(excess))
+        for beside in range(-1, 2):
+            at = min(max(middle + beside, 0), last)
+            if not hidden[at]:
+                for c in range(len(power)):
+                    power[c] += excess[at, c]
+    highest_score, best = scores[0], -1
+    for score in scores:
+        highest_score = max(highest_score, score)
+    least = min(highest_score, np.float32(3.0))
+    for c in range(len(power)):
+        if carrier[c] < lowest:
+            power[c] = np.float32(0.0)
+        if scores[c] >= least and (best < 0 or power[c] > power[best]):
+            best = c
+    return best

@@ -28,8 +28,8 @@ from typing import Any, TYPE_CHECKING, TypeVar
 
 from bearing_twin.bearing import find_bearing, PLACES
 from bearing_twin.diagnosis.combs.candidate import Candidate, Claims, LoadZone, RACES
-from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands
 from bearing_twin.diagnosis.combs.harmonics import CombHarmonics
+from bearing_twin.diagnosis.combs.sidebands import CombSidebands
 from bearing_twin.diagnosis.signal.gate import fastest_impacts_hz, LOWEST_RINGING_HZ
 from bearing_twin.diagnosis.thresholds import (
     BLURRED,

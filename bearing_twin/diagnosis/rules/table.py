@@ -10,7 +10,7 @@ rule changes:
 - one of these files: the function, and the other fields of its `Rule`;
 - this file: its place in the order;
 - ``evidence.py``: a property for each new quantity, with its value if nothing disturbs the
-  combs, and ``harmonics.py`` or ``comb_sidebands.py`` of ``combs`` if the quantity has to be
+  combs, and ``harmonics.py`` or ``sidebands.py`` of ``combs`` if the quantity has to be
   measured in the spectra;
 - ``thresholds.py`` and the table of thresholds in ``docs/diagnosis_why.md``;
 - ``CASES`` in ``test/diagnosis/rules/test_rules.py``: evidence that reaches the rule;

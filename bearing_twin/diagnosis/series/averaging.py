@@ -311,7 +311,7 @@ class AveragedEnvelope:
         rise *= max(1.0, STEP * self.turns / self.count)
         lowest = np.array([low for low, _ in BANDS])
         if comb.place == 'outer':
-            # As in :func:`sidebands.modulation_index`: lower bands show the variable compliance.
+            # As in `CombSearch`: lower bands show the variable compliance.
             limit = min(CARRIER * comb.order * shaft_hz, 0.5 * lowest[rise > 0.0].max(initial=0.0))
             rise[lowest < limit] = 0.0
         return comb if 2.0 * math.sqrt(rise.max()) >= INDEX_FAULT else None

@@ -6,9 +6,9 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.combs.candidate import Candidate
 from bearing_twin.diagnosis.combs.comb import comb_scores, OrderSpectra
-from bearing_twin.diagnosis.combs.comb_sidebands import CombSidebands
 from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
 from bearing_twin.diagnosis.combs.harmonics import CombHarmonics, MISSING
+from bearing_twin.diagnosis.combs.sidebands import CombSidebands
 from bearing_twin.diagnosis.signal.lines import NEUTRAL
 from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
 from bearing_twin.studies.half_pulses import measured
