@@ -61,7 +61,11 @@ def low_bands(e: Evidence) -> Verdict | None:
     shown = outer.z >= Z_FAULT and outer.harmonics >= 2 and e.outer_index >= INDEX_FAULT
     if not shown or e.impacts.get('outer', 0.0) < IMPACTS:
         return None
-    return say(e, _rings_low(e), about=outer)
+    text = (
+        f'it modulates by {e.outer_index:.2f} in bands below {CARRIER:g} times its frequency '
+        'only, where the variable compliance of a sound bearing shows as well'
+    )
+    return say(e, text, about=outer)
 
 
 @rule('suspect', 'Impacts repeat at an order that no part of this bearing makes.')
@@ -186,9 +190,7 @@ def another_cage(e: Evidence) -> Verdict | None:
 
 def _elsewhere(e: Evidence, what: str) -> Verdict:
     """Return a verdict on impacts at an order of no part of the bearing, with explanations."""
-    comb, outer = e.elsewhere, e.candidates['outer']
-    if abs(comb.order - outer.order) <= 2.0 * e.step:
-        return say(e, _rings_low(e), about=outer)
+    comb = e.elsewhere
     if abs(comb.order - 1.0) < 0.1:
         text = f'the shaft seems to turn at {comb.order * e.shaft_hz:.4g} Hz: check the speed'
     else:
@@ -198,10 +200,3 @@ def _elsewhere(e: Evidence, what: str) -> Verdict:
             comb.order, 2.0 * e.step, e.shaft_hz, e.bearing, e.elsewhere_has_shaft_sidebands
         )
     return say(e, str(comb), text)
-
-
-def _rings_low(e: Evidence) -> str:
-    return (
-        f'it modulates by {e.outer_index:.2f} in bands below {CARRIER:g} times its frequency '
-        'only, where the variable compliance of a sound bearing shows as well'
-    )
