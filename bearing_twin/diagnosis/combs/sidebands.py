@@ -165,22 +165,6 @@ class CombSidebands:
             least = RIVAL * RIVAL * max(self.turning_sideband(candidate)[1], chance)
         return gap if ratio > least else 0.0
 
-    def cage_series_order(self, candidate: Candidate) -> float:
-        """
-        Return the cage order whose harmonic series makes the comb of a ball; 0 if none does.
-
-        An impact once a cage turn has equally high harmonics. The sidebands of a ball fade under a
-        load that is spread over several balls. The lines three, six, five and ten cage orders
-        beside the comb are compared.
-        """
-        if candidate.place != 'ball':
-            return 0.0
-        gap, near = self._highest_sideband(candidate, *self._expected.cage())
-        far = (
-            sideband_ratio(self._spectra, candidate.order, candidate.band, k * gap) for k in (3, 5)
-        )
-        return gap if min(near, *far) * RIVAL > 1.0 else 0.0
-
     def shaft_sidebands_dominate(self, candidate: Candidate) -> bool:
         """
         Return whether a ball's comb has shaft sidebands higher than its cage sidebands.

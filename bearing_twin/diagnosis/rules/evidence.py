@@ -482,7 +482,6 @@ class Evidence:
     another_cage_order = _of_leading(
         '_sidebands', CombSidebands.another_cage_order, undisturbed=0.0
     )
-    cage_series_order = _of_leading('_sidebands', CombSidebands.cage_series_order, undisturbed=0.0)
     shaft_sidebands_dominate = _of_leading(
         '_sidebands', CombSidebands.shaft_sidebands_dominate, undisturbed=False
     )
@@ -622,7 +621,6 @@ class Evidence:
             and c.harmonics >= 2
             and not self._sidebands.cage_sideband_order(c)
             and not self._sidebands.another_cage_order(c)
-            and not self._sidebands.cage_series_order(c)
             and not self._sidebands.shaft_sidebands_dominate(c)
             and not self._harmonics.extraneous_order(c)
         )

@@ -74,17 +74,6 @@ def cage_sideband_dominated(e: Evidence) -> Verdict | None:
     return say(e, text, about=e.leading, faults=places)
 
 
-@rule('ambiguous', "An impact once a cage turn may have a harmonic at the ball's order.")
-def cage_harmonic_series(e: Evidence) -> Verdict | None:
-    if not e.cage_series_order:
-        return None
-    text = (
-        f'it is one of many lines {e.cage_series_order:.3f} orders apart that do not fade, as a '
-        'strike once a cage turn makes them: the cage, or less likely a ball'
-    )
-    return say(e, text, about=e.leading, faults=('cage', 'ball'))
-
-
 @rule('ambiguous', 'A ball moves with the cage, so its comb has no higher shaft sidebands.')
 def shaft_sideband_dominated(e: Evidence) -> Verdict | None:
     if not e.shaft_sidebands_dominate:

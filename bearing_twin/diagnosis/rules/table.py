@@ -67,7 +67,6 @@ RULES: tuple[Rule, ...] = (
     places.same_lines,
     elsewhere.mains_pulses,
     places.cage_sideband_dominated,
-    places.cage_harmonic_series,
     elsewhere.masked_by_shaft,
     places.shaft_sideband_dominated,
     elsewhere.elsewhere_explains,

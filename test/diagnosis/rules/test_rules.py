@@ -150,12 +150,6 @@ CASES = {
         'suspect',
         ('ball', 'cage'),
     ),
-    'cage_harmonic_series': (
-        Evidence.of(BALL, cage_series_order=0.35),
-        'ambiguous',
-        'suspect',
-        ('cage', 'ball'),
-    ),
     'masked_by_shaft': (
         Evidence.of(OUTER, masked_by_shaft={'outer'}),
         'ambiguous',
