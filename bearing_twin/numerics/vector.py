@@ -176,60 +176,72 @@ def load_from(typing, address, row):
     return FLOATS(types.intp, types.intp), code
 
 
+def _pairs_at(context, builder, sig, args):
+    """Return a pointer to element ``begins[16 row + k] + 2 pair[k]`` of an array per lane."""
+    data = context.make_array(sig.args[0])(context, builder, args[0]).data
+    firsts = builder.load(_place(context, builder, args[1], sig.args[1], args[2], _LONGS))
+    firsts.align = 8
+    pairs = builder.sext(builder.fptosi(args[3], _INTS), _LONGS)
+    places = builder.add(firsts, builder.add(pairs, pairs))
+    each = (builder.extract_element(places, ir.Constant(_INT, k)) for k in range(L))
+    return [builder.gep(data, [place]) for place in each]
+
+
 @_intrinsic
-def load_fours(typing, array, begins, row, pair, ahead):
+def load_fours(typing, array, begins, row, pair):
     """
     Load four consecutive elements of a flat float32 array per lane, as four vectors.
 
-    Lane k begins at ``begins[16 row + k] + 2 pair[k]``; ``begins`` is an int64 array. If ``ahead``
-    is a vector, the elements ``ahead[k]`` pairs further are prefetched into the cache.
+    Lane k begins at ``begins[16 row + k] + 2 pair[k]``; ``begins`` is an int64 array.
     """
 
     def code(context, builder, sig, args):
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        firsts = builder.load(_place(context, builder, args[1], sig.args[1], args[2], _LONGS))
-        firsts.align = 8
-        fetch = cgutils.get_or_insert_function(
-            builder.module,
-            ir.FunctionType(ir.VoidType(), [ir.IntType(8).as_pointer(), _INT, _INT, _INT]),
-            'llvm.prefetch.p0i8',
-        )
-
-        def place_of(pair):
-            pairs = builder.sext(builder.fptosi(pair, _INTS), _LONGS)
-            return builder.add(firsts, builder.add(pairs, pairs))
-
-        places = place_of(args[3])
-        if sig.args[4] is FLOATS:
-            later = place_of(builder.fadd(args[3], args[4], flags=_FLAGS))
-            for k in range(L):
-                place = builder.gep(data, [builder.extract_element(later, ir.Constant(_INT, k))])
-                place = builder.bitcast(place, ir.IntType(8).as_pointer())
-                builder.call(fetch, [place, *(ir.Constant(_INT, n) for n in (0, 3, 1))])
         fours = []
-        for k in range(L):
-            place = builder.gep(data, [builder.extract_element(places, ir.Constant(_INT, k))])
+        for place in _pairs_at(context, builder, sig, args):
             four = builder.load(builder.bitcast(place, ir.VectorType(_FLOAT, 4).as_pointer()))
             four.align = 4
             fours.append(four)
-        # Join all sixteen end to end, then take every fourth number.
-        while len(fours) > 1:
-            length = fours[0].type.count
-            joined = ir.Constant(ir.VectorType(_INT, 2 * length), list(range(2 * length)))
-            fours = [
-                builder.shuffle_vector(one, other, joined)
-                for one, other in zip(fours[::2], fours[1::2], strict=True)
-            ]
-        nothing = ir.Constant(fours[0].type, ir.Undefined)
-        found = [
-            builder.shuffle_vector(
-                fours[0], nothing, ir.Constant(_INTS, [k + 4 * lane for lane in range(L)])
-            )
+
+        def joined(one, other):
+            count = 2 * one.type.count
+            order = ir.Constant(ir.VectorType(_INT, count), list(range(count)))
+            return builder.shuffle_vector(one, other, order)
+
+        def mixed(one, other, order):
+            # The same order in each quarter; from 16 on it counts in the other vector.
+            places = [k + 4 * quarter for quarter in range(4) for k in order]
+            return builder.shuffle_vector(one, other, ir.Constant(_INTS, places))
+
+        # Every fourth lane end to end; then the rows of each quarter become its columns. In any
+        # other order processors need twice the instructions.
+        one, two, three, four = (
+            joined(joined(fours[k], fours[k + 4]), joined(fours[k + 8], fours[k + 12]))
             for k in range(4)
-        ]
+        )
+        found = []
+        for order in ((0, 16, 1, 17), (2, 18, 3, 19)):
+            left, right = mixed(one, two, order), mixed(three, four, order)
+            found += [mixed(left, right, (0, 1, 16, 17)), mixed(left, right, (2, 3, 18, 19))]
         return context.make_tuple(builder, sig.return_type, found)
 
-    return types.UniTuple(FLOATS, 4)(array, begins, types.intp, FLOATS, ahead), code
+    return types.UniTuple(FLOATS, 4)(array, begins, types.intp, FLOATS), code
+
+
+@_intrinsic
+def fetch_fours(typing, array, begins, row, pair):
+    """Bring the cache lines at the places of `load_fours` into the cache."""
+
+    def code(context, builder, sig, args):
+        kinds = [ir.IntType(8).as_pointer(), _INT, _INT, _INT]
+        fetch = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(ir.VoidType(), kinds), 'llvm.prefetch.p0i8'
+        )
+        for place in _pairs_at(context, builder, sig, args):
+            numbers = (ir.Constant(_INT, n) for n in (0, 3, 1))
+            builder.call(fetch, [builder.bitcast(place, kinds[0]), *numbers])
+        return context.get_dummy_value()
+
+    return types.void(array, begins, types.intp, FLOATS), code
 
 
 @_intrinsic

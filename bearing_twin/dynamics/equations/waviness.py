@@ -221,14 +221,13 @@ def _held(number, count):
 
 
 @compiled(inline=True, fast=FAST)
-def gap_at(table, begins, row, node, u, rate, ahead=None):
+def gap_at(table, begins, row, node, u, rate):
     """
     Return gap, m, and its rate, m/s, at the fraction ``u`` between two nodes; ``rate`` is nodes/s.
 
-    ``row`` and ``begins`` are arguments of `vector.load_fours`, which prefetches ``ahead`` nodes
-    further, where the next look-up will be.
+    ``row`` and ``begins`` are arguments of `vector.load_fours`.
     """
-    here, slope, there, other = load_fours(table, begins, row, node, ahead)
+    here, slope, there, other = load_fours(table, begins, row, node)
     v, rise = _F(1.0) - u, there - here
     uv = u * v
     gap = here + rise * (u * u * (_F(1.0) + _F(2.0) * v)) + (slope * (uv * v) - other * (u * uv))

@@ -18,7 +18,9 @@ from bearing_twin.numerics.random import normal_pairs, WALK
 from bearing_twin.numerics.vector import (
     any_of,
     chosen,
+    fetch_fours,
     floor,
+    highest,
     L,
     load,
     magnitude,
@@ -28,6 +30,8 @@ from bearing_twin.numerics.vector import (
 )
 import numpy as np
 
+_LINE = 8
+"""Nodes of a table in a line of the cache."""
 _NOWHERE = 1e4
 """Slot number that no slot has."""
 _STANDING = 1e-12
@@ -187,37 +191,49 @@ def place_waves(group, stride, h, begins, starts):
 
 
 @compiled(fast=FAST, borrows=True)
-def look_up_waves(tables, begins, starts, h, first_step, last_step, slots, waves):
+def look_up_waves(tables, begins, starts, h, first_step, last_step, low, high, waves):
     """
     Fill ``waves`` with the gaps due to waviness, m, and their rates, m/s.
 
-    They are computed for ``slots`` (first, last + 1), every `WAVE_STEPS` steps from the grid
-    point, so that the steps from ``first_step`` to ``last_step`` are covered. ``tables`` are those
-    of all lanes.
+    They are computed for the slots from ``low`` to before ``high``, every `WAVE_STEPS` steps from
+    the grid point, so that the steps from ``first_step`` to ``last_step`` are covered. ``tables``
+    are those of all lanes.
     """
     begin, end = first_step // WAVE_STEPS, (last_step - 1) // WAVE_STEPS + 2
     room, firsts, into = starts.reshape(-1), begins.reshape(-1), waves.reshape(-1)
-    per_step, ahead = _F(1.0 / h), _F(last_step - first_step)
-    for slot in range(slots[0], slots[1]):
-        number = _F((slot + 1) // 2 if slot % 2 else -(slot // 2))
+    per_step, steps = _F(1.0 / h), _F(last_step - first_step)
+    for slot in range(low, high):
+        for which in range(3):
+            _fetch_next(tables, firsts, room, slot, which, _F(last_step), steps)
         for k in range(begin, end):
-            step = _F(k * WAVE_STEPS)
             gap, rate = splat(_F(0.0)), splat(_F(0.0))
             for which in range(3):
-                speed, nodes = load(room, 3 + which), load(room, 6 + which)
-                at = load(room, which) + step * speed
-                if which < 2:
-                    at = at + number * load(room, 9 + which)
-                at = at - nodes * floor(at / nodes)
-                node = floor(at)
-                more, faster = gap_at(
-                    tables, firsts, 3 * slot + which, node, at - node, speed * per_step,
-                    ahead * speed,
-                )  # fmt: skip
+                at = _node_at(room, slot, which, _F(k * WAVE_STEPS))
+                node, speed = floor(at), load(room, 3 + which) * per_step
+                more, faster = gap_at(tables, firsts, 3 * slot + which, node, at - node, speed)
                 gap, rate = gap + more, rate + faster
             row = 2 * (k * waves.shape[1] + slot)
             store(into, row, gap)
             store(into, row + 1, rate)
+
+
+@compiled(inline=True, fast=FAST)
+def _node_at(room, slot, which, step):
+    """Return the place under a ball, in nodes, ``step`` steps from the grid point."""
+    nodes, at = load(room, 6 + which), load(room, which) + step * load(room, 3 + which)
+    if which < 2:
+        at = at + _F((slot + 1) // 2 if slot % 2 else -(slot // 2)) * load(room, 9 + which)
+    return at - nodes * floor(at / nodes)
+
+
+@compiled(inline=True, fast=FAST)
+def _fetch_next(tables, begins, room, slot, which, step, steps):
+    """Bring the nodes into the cache that a ball will pass from ``step`` on in ``steps`` steps."""
+    fastest = highest(magnitude(load(room, 3 + which)))
+    lines = int(fastest * steps / _F(_LINE)) + 1
+    for k in range(lines + 1):
+        at = _node_at(room, slot, which, step + steps * (_F(k) / _F(lines)))
+        fetch_fours(tables, begins, 3 * slot + which, at)
 
 
 @compiled(inline=True)

@@ -201,7 +201,7 @@ def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, str
     rows, known, most_slots = waves.reshape(-1), n_balls, waves.shape[1]
     if g.wavy:
         known = few
-        look_up_waves(tables, begins, starts, h, first_step, last_step, (0, few), waves)
+        look_up_waves(tables, begins, starts, h, first_step, last_step, 0, few, waves)
     q, v, a, j = _four(g.q), _four(g.v), _four(g.a), _four(g.j)
     zx, wx, zy, wy = _four(g.sensor)
     c, s, cs, ss = _four(g.directions)
@@ -223,7 +223,7 @@ def advance(group, slots, surfaces, first, count, oversample, h, raw, begin, str
             )  # fmt: skip
             if not enough and known < n_balls:
                 look_up_waves(
-                    tables, begins, starts, h, first_step, last_step, (known, n_balls), waves
+                    tables, begins, starts, h, first_step, last_step, known, n_balls, waves
                 )
                 known = n_balls
             before = number // WAVE_STEPS
