@@ -8,6 +8,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from functools import partial
 import math
+from textwrap import indent
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -34,7 +35,6 @@ from bearing_twin.ros.topics.qos import CHECKPOINT
 from bearing_twin.ros.topics.subscribing import receiver_clock
 from bearing_twin.streams.pacer import Due
 from bearing_twin_msgs.msg import Checkpoint
-import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -339,16 +339,18 @@ class FleetNode(ManagedNode):
 
     def _publish_checkpoint(self, due: Due) -> None:
         assert self._fleet is not None
-        configuration = {
-            m.name: m.twin_parameters.configuration for m in self._twins if m.twin_parameters
-        }
+        # In the order of the fleet, as the state is. A name such as `on` needs its quotes.
+        configuration = (
+            f'"{member.name}":\n{indent(member.twin_parameters.text, "  ")}'
+            for member in self._twins
+            if member.twin_parameters
+        )
         self._checkpoint.publish(
             self._checkpoints.make(
                 due.first_sample,
                 stamp=due.stamp,
                 sample_rate=self.parameters['sample_rate'],
-                # Not sorted: the state is in the order of the fleet.
-                configuration=yaml.safe_dump(configuration, sort_keys=False),
+                configuration=''.join(configuration),
                 state=self._fleet.save(),
             )
         )

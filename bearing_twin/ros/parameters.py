@@ -167,13 +167,8 @@ class ParameterSet:
     def text(self) -> str:
         """Return the configuration for a checkpoint, as YAML."""
         if not self._text:
-            self._text = yaml.safe_dump(self.configuration)
+            self._text = yaml.safe_dump(configuration(self._specs.values(), self._values))
         return self._text
-
-    @property
-    def configuration(self) -> dict[str, Any]:
-        """Return the values in force that a checkpoint stores."""
-        return configuration(self._specs.values(), self._values)
 
     @property
     def specs(self) -> tuple[Spec, ...]:
