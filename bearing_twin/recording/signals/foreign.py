@@ -207,7 +207,7 @@ def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
         raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     if reader is None:
         msg = f'{path}: files ending in {", ".join(SIGNAL_FILES)} and .mcap are read'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'{msg}; export it as one of them')
     if size == 0:
         raise BearingTwinError(f'{path} is empty')
     if size > LARGEST_FILE:
@@ -238,7 +238,7 @@ def _read_wav(path: Path) -> dict[str, Any]:
     except Exception as error:
         # SciPy raises exceptions of many types if the bytes are damaged.
         msg = f'{path} cannot be read as .wav ({type(error).__name__}: {error})'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{msg}; is it complete, and not compressed?') from None
     return {'table': table, 'fs': rate, 'scale': scale, 'offset': offset}
 
 
@@ -289,8 +289,8 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         held = ', '.join(list(numeric)[:10])
         raise BearingTwinError(
             f'{path} holds no array of numbers that could be a vibration: of {len(arrays)} '
-            f'entries {len(numeric)} hold two numbers or more{held and f" ({held})"}; name the '
-            'samples x, or choose an entry by --channel'
+            f'entries {len(numeric)} hold two real numbers or more{held and f" ({held})"}; name '
+            'the samples x, or choose an entry by --channel'
         )
     x = numeric[name]
     where = f', {name}' + (f' (there is also {", ".join(others[:10])})' if others else '')

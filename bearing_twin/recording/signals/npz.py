@@ -58,7 +58,7 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     except Exception as error:
         # zipfile, NumPy and its tokenizer raise exceptions of many types if bytes are damaged.
         msg = f'{path} cannot be read as .npz ({type(error).__name__}: {error})'
-        raise BearingTwinError(msg) from None
+        raise BearingTwinError(f'{msg}; is it complete, and made by numpy.savez?') from None
     return arrays
 
 
