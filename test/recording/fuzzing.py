@@ -111,6 +111,10 @@ def seeds(kind: str, folder: Path) -> list[bytes]:
         rows = '\n'.join(f'{k / 1000},{v:.6g},{-v:.6g}' for k, v in enumerate(x[:200]))
         found.append(f'rpm = 1500\ntime,a [g],b\n{rows}\n'.encode())
         found.append(rows.replace(',', ';').replace('.', ',').encode())
+        dated = [
+            f'4.3.2026 12:00:00,{k:03d};{v:.6f}'.replace('.0', ',0') for k, v in enumerate(x[:200])
+        ]
+        found.append('\n'.join(['Zeit;a', '[s];[m/s\xb2]', *dated]).encode('cp1252'))
     return found
 
 

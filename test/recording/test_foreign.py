@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timedelta
 from io import BytesIO
 import math
 import pickle
@@ -552,13 +553,95 @@ def test_a_counter_is_no_vibration(tmp_path: Path) -> None:
 
 def test_commas_of_two_meanings_are_refused(tmp_path: Path) -> None:
     path = tmp_path / 'a.csv'
-    path.write_text('\n'.join(f'{v:.5f}'.replace('.', ',') for v in X[:50]))
+    path.write_text('\n'.join(f'{k},{k + 10}' for k in range(50)))
     with pytest.raises(BearingTwinError, match='decimal ones or part two columns: write a head'):
+        read_signal(path, sample_rate=1000.0)
+    rows = [f'{k / 1e3:.3f},{v:.5f}'.replace('.', ',') for k, v in enumerate(X[:50])]
+    path.write_text('\n'.join(['time,acc', *rows]))
+    with pytest.raises(BearingTwinError, match='decimal ones and also part columns; export it'):
         read_signal(path, sample_rate=1000.0)
     path.write_text('acc\n' + '\n'.join(f'{v:.5f}; 0'.replace('.', ',') for v in X[:50]))
     assert read_signal(path, channel='c0', sample_rate=1000.0).x[3] == pytest.approx(
         X[3], abs=1e-5
     )
+
+
+@pytest.mark.parametrize('heading', ['', 'acc\n'])
+def test_digits_with_a_zero_in_front_follow_a_decimal_comma(tmp_path: Path, heading) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text(heading + '\n'.join(f'{v:.5f}'.replace('.', ',') for v in X[:50]))
+    np.testing.assert_allclose(read_signal(path, sample_rate=1e3).x, X[:50], atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ('heading', 'clock', 'separator'),
+    [
+        ('timestamp,acc\n', '%Y-%m-%dT%H:%M:%S.%fZ', ','),
+        (',acc\n', '%Y-%m-%d %H:%M:%S.%f+02:00', ','),
+        ('', '%H:%M:%S.%f', '\t'),
+        ('Date Time acc\n', '%Y/%m/%d %H:%M:%S.%f', ' '),
+        ('Datum;Uhrzeit;acc\n', '%d.%m.%Y;%H:%M:%S,%f', ';'),
+        ('Zeit;acc\n', '"%d.%m.%Y %H:%M:%S,%f"', ';'),
+        ('Time,acc\n', '%m/%d/%Y %I:%M:%S.%f %p', ','),
+        ('Time,acc\n', '%d.%m.%Y %H:%M:%S', ','),
+    ],
+)
+def test_times_of_day_give_the_sample_rate(tmp_path: Path, heading, clock, separator) -> None:
+    path = tmp_path / 'a.csv'
+    # From before noon on: after it the hours of AM and PM begin anew.
+    begin = datetime(2026, 3, 4, 11, 59, 58)
+    values = [f'{k % 7}{"," if separator == ";" else "."}25' for k in range(6000)]
+    rows = [
+        f'{begin + timedelta(seconds=k / 1000.0):{clock}}{separator}{value}'
+        for k, value in enumerate(values)
+    ]
+    path.write_text(heading + '\n'.join(rows))
+    signal = read_signal(path)
+    assert signal.sample_rate == pytest.approx(1000.0)
+    assert signal.x[:9].tolist() == [0.25, 1.25, 2.25, 3.25, 4.25, 5.25, 6.25, 0.25, 1.25]
+    path.write_text(heading + '\n'.join(rows[:3000] + rows[5000:]))
+    with pytest.raises(BearingTwinError, match=r'longest step: [0-9.]+ s after \d+ values'):
+        read_signal(path)
+
+
+@pytest.mark.parametrize('unit', [1.0, 1e3, 1e6, 1e9])
+def test_times_since_1970_tell_their_unit(tmp_path: Path, unit: float) -> None:
+    path = tmp_path / 'a.csv'
+    times = (np.arange(500) * 1000 + 1_772_625_600_000_000) * (unit / 1e6)
+    rows = [f'{time:.6f},{v:.9g}' for time, v in zip(times, X, strict=False)]
+    path.write_text('timestamp,acc\n' + '\n'.join(rows))
+    assert read_signal(path).sample_rate == pytest.approx(1000.0, rel=1e-4)
+
+
+def test_units_in_a_line_below_the_heading(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    rows = '\n'.join(f'{k};{v:.9g};{k % 3}' for k, v in enumerate(X[:500]))
+    path.write_text(f'Fan 7;;\nZeit;Motor DE;Motor NDE\n[ms];[mg];[mg]\n{rows}')
+    signal = read_signal(path)
+    assert (signal.sample_rate, signal.unit) == (pytest.approx(1000.0), 'mg')
+    assert signal.source.endswith('Motor DE [mg] (there is also Motor NDE [mg])')
+
+
+def test_a_column_of_acceleration_goes_before_others(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    rows = '\n'.join(f'{k},{k / 1e3},{1500 + k % 2},{v:.9g}' for k, v in enumerate(X[:500]))
+    path.write_text(f',time,Speed [1/min],Motor [m/s²]\n{rows}', encoding='cp1252')
+    signal = read_signal(path)
+    assert signal.source.endswith('Motor [m/s²] (there is also Speed [1/min])')
+    assert signal.unit == 'm/s^2'
+    assert signal.sample_rate == pytest.approx(1000.0)
+    np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
+
+
+def test_a_line_that_is_no_row_is_shown(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    rows = [f'{k};{v:.5f}' for k, v in enumerate(X[:500])]
+    path.write_text('\n'.join(['n;acc', *rows[:200], '200;#NV', *rows[201:]]))
+    with pytest.raises(BearingTwinError, match=r"columns of numbers \(line 202 is '200;#NV'\)"):
+        read_signal(path, sample_rate=1e3)
+    path.write_text('n|acc\n' + '\n'.join(rows).replace(';', '|'))
+    with pytest.raises(BearingTwinError, match=r"line 100 is '98\|.*'; export columns"):
+        read_signal(path, sample_rate=1e3)
 
 
 def test_a_bearing_may_be_named_under_the_key_bearing(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 import re
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 
@@ -23,7 +24,9 @@ LONGEST_HEAD = 1_000_000
 """Characters of the lines among which the numbers must begin."""
 MOST_COLUMNS = 1000
 """Longer lines of numbers are signals, one in each line."""
-TIME = re.compile(r'(?:timestamp|time|zeit|t)(?![a-z\d])', re.IGNORECASE)
+TIME = re.compile(
+    r'(?:timestamp|time|uhrzeit|zeit|temps|tiempo|tempo|tijd|t)(?![a-z\d])', re.IGNORECASE
+)
 """Begin of the heading of a time column."""
 SECONDS = {
     **dict.fromkeys(('', 's', 'sec', 'secs', 'second', 'seconds', 'sekunden'), 1.0),
@@ -39,6 +42,16 @@ SAID = re.compile(
     re.IGNORECASE,
 )
 """A key and its value in the lines before the numbers, and the prefix of kHz or MHz."""
+SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
+"""Least time since 1970 in ns, us and ms, if no unit is given, and the unit in s."""
+CLOCK = re.compile(
+    r'^ *(?:\d{1,4}([-./])\d{1,2}\1\d{1,4}[T ;,\t]+)?(\d{1,2}):(\d\d):'
+    r'(\d\d(?:\.\d+|,\d+(?=[;\t]))?) ?(?:[AP]M|Z|[+-]\d\d:?\d\d)?(?=[;,\t ])',
+    re.IGNORECASE | re.MULTILINE,
+)
+"""A time of day at the begin of a line; a date may stand before it."""
+HALF_DAY = 43_200
+"""Period of times that may have AM or PM, s."""
 PREFIXES = {'': 1.0, 'k': 1e3, 'm': 1e6}
 QUOTED = re.compile(r'"([^"\n]*)"')
 AT_END = re.compile(r'[,;\t] *$', re.MULTILINE)
@@ -46,7 +59,9 @@ AT_END = re.compile(r'[,;\t] *$', re.MULTILINE)
 DIGITS = re.compile(r'(?<=\d),(?=\d)')
 """A comma between two digits."""
 DECIMAL = re.compile(r'([+-]?\d+,\d+\s+)*[+-]?\d+,\d+')
-UNIT = re.compile(r'[\[(](m/s\^?2|m/s²|g)[\])]')
+PADDED = re.compile(r'(?=.*,0\d)[-+\d,]+')
+"""Integers, one of them with a zero in front: the digits behind a decimal comma."""
+UNIT = re.compile(r'[\[(]([^\])]+)[\])]')
 
 
 def read_csv(path: Path) -> dict[str, Any]:
@@ -55,10 +70,11 @@ def read_csv(path: Path) -> dict[str, Any]:
 
     Lines of more than 1000 numbers are not columns but a signal each: they are the rows of ``x``.
 
-    A column of even times in s, ms, us or ns becomes ``fs``; ``fs = ...`` or ``Sampling rate:
-    ...`` (Hz, kHz or MHz), ``rpm = ...`` before the numbers and a unit in brackets in a heading
-    are read as well. Quotes around numbers, separators at line ends and, before the table, lines
-    with another count of numbers are ignored.
+    A column of even times in s, ms, us or ns, or with a time of day first in each line, becomes
+    ``fs``; ``fs = ...`` or ``Sampling rate: ...`` (Hz, kHz or MHz), ``rpm = ...`` before the
+    numbers and a unit in brackets in a heading, or in a line below it, are read as well. Quotes
+    around numbers, separators at line ends and, before the table, lines with another count of
+    numbers are ignored.
 
     Raises
     ------
@@ -67,17 +83,27 @@ def read_csv(path: Path) -> dict[str, Any]:
 
     """
     text = table_text(path)
-    head = text[:LONGEST_HEAD].splitlines()[:HEAD]
+    raw = head = text[:LONGEST_HEAD].splitlines()[:HEAD]
+    if any(map(CLOCK.match, raw)):
+        text = CLOCK.sub(_seconds_of_day, text)
+        head = text[:LONGEST_HEAD].splitlines()[:HEAD]
     start, separator = _first_numbers(head)
     if start < 0:
-        raise BearingTwinError(f'{path} has no line of numbers only among its first {HEAD} lines')
+        seen = f'; line {len(raw)} is {raw[-1][:60]!r}' if raw else ''
+        raise BearingTwinError(
+            f'{path} has no line of numbers only among its first {HEAD} lines{seen}; export '
+            'columns of numbers with a semicolon, comma or tab between them'
+        )
+    timed = start < len(raw) and CLOCK.match(raw[start]) is not None
+    if separator == ',' and _has_decimal_commas(path, head, start):
+        separator = ' '
     if separator != ',':
         # With another separator, a comma is a decimal comma.
         text = text.replace(',', '.')
         head = [DIGITS.sub('.', line) for line in head]
     elif DECIMAL.fullmatch(text.strip()):
-        msg = f'{path} has commas that may be decimal ones or part two columns: write a heading'
-        raise BearingTwinError(msg)
+        msg = f'{path} has commas that may be decimal ones or part two columns'
+        raise BearingTwinError(f'{msg}: write a heading of two columns, or decimal points')
     table = _table(path, text, start, separator)
     if table.shape[1] > MOST_COLUMNS:
         return {**_description(head[:start]), 'x': table}
@@ -87,17 +113,20 @@ def read_csv(path: Path) -> dict[str, Any]:
         row = np.array(before[: table.shape[1]], np.float64)
         if np.all(np.abs(row - table[0]) <= np.ptp(table, axis=0)):
             start, table = start - 1, np.vstack((row, table))
-    names = _names(head[:start], separator, table.shape[1])
+    names = _names(head[:start], separator, table.shape[1], timed=timed)
+    if timed:
+        table[:, 0] = np.unwrap(table[:, 0], period=HALF_DAY)
     found = _description(head[:start])
     for name, column in zip(names, table.T, strict=True):
         if column.size > 1 and _is_time(name):
             scale = _seconds(name)
+            if not unit_of(name):
+                scale *= next((unit for least, unit in SINCE_1970 if column[0] >= least), 1.0)
             step = scale * _mean_step(column)
             if step > 0.0 and is_even(column):
                 found.setdefault('fs', np.array(1.0 / step))
             elif scale > 0.0 and not step <= 0.0:
-                said = f'the times of its column {name!r} have gaps, or too few digits'
-                found['no_rate'] = np.array(said)
+                found['no_rate'] = np.array(_gap(name, scale * np.diff(column)))
         else:
             found[name] = np.ascontiguousarray(column)
     return found
@@ -107,8 +136,12 @@ def table_text(path: Path) -> str:
     """Return the text of a file without quotes around numbers and separators at line ends."""
     try:
         with path.open('rb') as file:
-            encoding = 'utf-16' if file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE) else 'utf-8-sig'
-        text = path.read_text(encoding=encoding, errors='replace')
+            is_wide = file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE)
+        try:
+            text = path.read_text(encoding='utf-16' if is_wide else 'utf-8-sig')
+        except UnicodeDecodeError:
+            # Spreadsheets on Windows write its code page. A file may end within a character.
+            text = path.read_text(encoding='utf-16' if is_wide else 'cp1252', errors='replace')
     except OSError as error:
         raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     # A comma in a quoted number is a decimal comma.
@@ -123,9 +156,50 @@ def _description(lines: list[str]) -> dict[str, Any]:
         for key, value, prefix in SAID.findall(line):
             name = 'fs' if key[0] in 'sS' else key.lower()
             found[name] = _value(value, PREFIXES[prefix.lower()])
-        if unit := UNIT.search(line):
-            found['unit'] = np.array(unit[1])
+        if unit := unit_in(line):
+            found['unit'] = np.array(unit)
     return found
+
+
+def unit_in(heading: str) -> str:
+    """
+    Return the first unit of acceleration in brackets of a heading; '' if it has none.
+
+    >>> unit_in('Time [s];Motor DE (m/s²)'), unit_in('Speed [rpm]')
+    ('m/s²', '')
+
+    """
+    return next(filter(lambda unit: acceleration_factor(unit) > 0.0, UNIT.findall(heading)), '')
+
+
+def _seconds_of_day(clock: re.Match[str]) -> str:
+    """Return the seconds since noon or midnight; the date does not matter."""
+    hours, minutes, seconds = clock.group(2, 3, 4)
+    return f'{int(hours) % 12 * 3600 + int(minutes) * 60 + float(seconds.replace(",", ".")):.9f}'
+
+
+def _has_decimal_commas(path: Path, head: list[str], start: int) -> bool:
+    """Return whether commas part no columns but are decimal ones; raise if they are both."""
+    count = len(fields_of(head[start], ','))
+    if not any(map(PADDED.fullmatch, head[start:])) or (
+        start and len(fields_of(head[start - 1], ',')) == count
+    ):
+        return False
+    if count != 2:
+        raise BearingTwinError(
+            f'{path} has commas that are decimal ones and also part columns; export it with '
+            'semicolons or decimal points'
+        )
+    return True
+
+
+def _gap(name: str, steps: NDArray[Any]) -> str:
+    """Return why a column of times with these steps, s, gives no sample rate, and the remedy."""
+    at = int(np.argmax(np.abs(steps)))
+    return (
+        f'the times of its column {name[:40]!r} have gaps, or too few digits (longest step: '
+        f'{steps[at]:.4g} s after {at + 1} values); keep a part without gaps, or'
+    )
 
 
 def _is_time(heading: str) -> bool:
@@ -250,20 +324,40 @@ def _table(path: Path, text: str, start: int, separator: str) -> Any:
     except (ValueError, MemoryError) as error:
         raise BearingTwinError(
             f'{path}: after line {start} not every line has the same columns of numbers '
-            f'({str(error).partition(";")[0]})'
+            f'({_odd_line(lines, start, separator) or error}); fill or remove what is no number, '
+            'and write a number with one decimal sign and no other'
         ) from None
     return table
 
 
-def _names(before: list[str], separator: str, count: int) -> list[str]:
-    default = [f'c{index}' for index in range(count)]
-    if not before:
-        return default
-    fields = [
-        field.strip().strip('"\'') for field in fields_of(before[-1].lstrip('# '), separator)
+def _odd_line(lines: list[str], start: int, separator: str) -> str:
+    """Return number and text of the first line that is no row; '' if there is none."""
+    usual = _numbers(lines[0])[1]
+    for number, line in enumerate(lines, start=start + 1):
+        fields = fields_of(line.partition('#')[0], separator)
+        if any(fields) and not (len(fields) == usual and all(map(_is_number, fields))):
+            return f'line {number} is {line[:60]!r}'
+    return ''
+
+
+def _names(before: list[str], separator: str, count: int, *, timed: bool) -> list[str]:
+    """Return the names of the columns; the first is a time of day if ``timed``."""
+    names = [f'c{index}' for index in range(count)]
+    rows = [
+        [field.strip().strip('"\'') for field in fields_of(line.lstrip('# '), separator)]
+        for line in before[-2:]
     ]
-    named = len(fields) == count and len(set(fields)) == count and all(fields)
-    return fields if named else default
+    if timed:
+        # A date may have a heading of its own.
+        rows = [row[-count:] for row in rows]
+    units = [field.strip('[]()') for field in rows[-1]] if rows else []
+    if [len(row) for row in rows] == [count, count] and SECONDS.get(units[0] or '-'):
+        rows.append([f'{name} [{unit}]' for name, unit in zip(rows[0], units, strict=True)])
+    if rows and len(rows[-1]) == count == len(set(rows[-1])):
+        names = [field or name for field, name in zip(rows[-1], names, strict=True)]
+    if timed:
+        names[0] = 'time'
+    return names
 
 
 def _value(text: str, factor: float) -> Any:

@@ -21,7 +21,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import real_numbers
 from bearing_twin.recording.finding import ending, SIGNAL_FILES
 from bearing_twin.recording.mcap.mcapfile import refuse_special
-from bearing_twin.recording.signals.csvfile import is_even, read_csv
+from bearing_twin.recording.signals.csvfile import is_even, read_csv, unit_in
 from bearing_twin.recording.signals.dataset import dataset_signals, is_dataset, read_dataset_signal
 from bearing_twin.recording.signals.matfile import read_mat
 from bearing_twin.recording.signals.mcapsignal import read_vibration_topic, vibration_topics
@@ -86,7 +86,8 @@ def read_signal(
     ``.mat``   MATLAB up to version 7: the named or the longest numeric vector among variables and
                struct fields; ``fs``/``sr``, ``rpm`` and ``X123RPM`` of CWRU
     ``.wav``   a channel is a number from 0; full scale is 1
-    ``.csv``   comma, semicolon, tab or blanks; a column ``time`` gives the sample rate
+    ``.csv``   comma, semicolon, tab or blanks; a column ``time``, or times of day at the begin of
+               the lines, give the sample rate
     ``.39``    a name that ends in a number, as ``2004.02.12.10.32.39``: read as ``.csv``
     ``.mcap``  a file or a bag folder; ``TOPIC``, ``TOPIC:y`` or ``y``; messages Vibration, Imu,
                Accel, Vector3 and Float arrays
@@ -123,8 +124,8 @@ def read_signal(
     said = _number(found, RATES)
     rate = said if sample_rate is None else sample_rate
     if math.isnan(rate):
-        why = _text(found, 'no_rate') or 'it does not say its sample rate'
-        raise BearingTwinError(f'{path}: {why}; give it in Hz (--sample-rate)')
+        why = _text(found, 'no_rate') or 'it does not say its sample rate;'
+        raise BearingTwinError(f'{path}: {why} give the rate in Hz (--sample-rate)')
     if not 1.0 <= rate <= 1e8:
         msg = f'{path}: sample rate {rate:g} is outside 1..1e8 Hz; give it in Hz (--sample-rate)'
         raise BearingTwinError(msg)
@@ -306,6 +307,8 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
         msg = f'{path}: {name} has one axis of {x.size} samples: leave out the channel {row!r}'
         raise BearingTwinError(msg)
     said = {key: value for key, value in arrays.items() if key != name}
+    if unit := unit_in(name):
+        said['unit'] = np.array(unit)
     return {**said, 'x': x, 'where': where}
 
 
@@ -328,7 +331,8 @@ def _likeliest(numeric: Mapping[str, NDArray[Any]]) -> tuple[str, list[str]]:
     candidates = _candidates(numeric)
     # An evenly rising array is a counter or time: choose it only if there is no other.
     free = [key for key in candidates if not is_even(numeric[key])] or candidates
-    longest = max(free, key=lambda key: numeric[key].size, default='')
+    # Of columns beside each other, one of speeds or temperatures is not the vibration.
+    longest = max(free, key=lambda key: (numeric[key].size, bool(unit_in(key))), default='')
     name = next((key for key in ('x', 'vibration', 'acceleration') if key in numeric), longest)
     if not name or name != longest:
         return name, []
