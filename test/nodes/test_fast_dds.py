@@ -15,18 +15,28 @@ ROOT = Path(__file__).resolve().parents[2]
 DDS = '{http://www.eprosima.com}'
 
 
-@pytest.mark.parametrize(
-    'profiles',
-    [
+@pytest.fixture(
+    params=[
         'bearing_twin/ros/processes/fastdds.xml',
         'bearing_twin/ros/processes/fastdds2.xml',
         'config/fastdds_localhost.xml',
         'config/fastdds2_localhost.xml',
-    ],
+    ]
 )
+def profiles(request):
+    return ElementTree.parse(ROOT / request.param)
+
+
+def seconds(period):
+    return float(period.findtext(f'{DDS}sec')) + 1e-9 * float(period.findtext(f'{DDS}nanosec'))
+
+
 def test_a_reader_is_asked_what_it_lacks_while_that_is_held(profiles):
-    writer = ElementTree.parse(ROOT / profiles).find(f'.//{DDS}data_writer')
-    (period,) = writer.find(f'{DDS}times')
-    seconds = float(period.findtext(f'{DDS}sec')) + 1e-9 * float(period.findtext(f'{DDS}nanosec'))
+    (period,) = profiles.find(f'.//{DDS}data_writer').find(f'{DDS}times')
     # One heartbeat may be lost as well.
-    assert 0.0 < 2.0 * seconds < HELD
+    assert 0.0 < 2.0 * seconds(period) < HELD
+
+
+def test_a_node_announces_itself_while_the_first_blocks_are_held(profiles):
+    period = profiles.find(f'.//{DDS}participant//{DDS}leaseAnnouncement')
+    assert 0.0 < seconds(period) < HELD
