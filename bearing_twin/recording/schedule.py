@@ -163,7 +163,8 @@ def _temperature_column(path: Path, heading: list[str], count: int) -> int:
             f'{path}: {len(columns)} of its columns {", ".join(heading[1:]) or "without heading"} '
             'are temperatures; leave the times and one temperature'
         )
-    if heading and _OTHER_UNIT.search(heading[columns[0]]):
+    # A line before the numbers may be a title, shorter than a heading.
+    if heading[columns[0] :] and _OTHER_UNIT.search(heading[columns[0]]):
         raise BearingTwinError(f'{path}: {heading[columns[0]]!r} is not in degC; convert it')
     return columns[0]
 
