@@ -33,6 +33,10 @@ _UNITS = SECONDS | {'min': 60.0, 'h': 3600.0}
 """Units of times in s. A vibration is timed in the shorter ones only."""
 _TEMPERATURE = re.compile(r'temp|.*(°|deg) ?C\b', re.IGNORECASE)
 """Begin of the heading of a temperature."""
+_DAY_FIRST = re.compile(r'(\d\d?)\.(\d\d?)\.(\d{4})\b')
+"""A date with points, whose day is first everywhere. Slashes may part day or month."""
+_DATE = re.compile(r'\d+([-.])\d+\1\d+')
+_CLOCK = re.compile(r'\d\d?:\d\d(:\d\d([.,]\d+)?)?')
 _OTHER_UNIT = re.compile(r'(°|deg) ?F\b|fahrenheit|[(\[]K[)\]]|kelvin', re.IGNORECASE)
 
 
@@ -90,9 +94,10 @@ def read_temperatures(path: Path) -> Measured:
     """
     Return a measured temperature from a text file of a logger or from an ``.npz`` file.
 
-    The first column of a text file has the times: dates (ISO 8601, UTC if they name no zone),
-    seconds since 1970, or seconds, or what a heading says (ns to h). The temperatures, degC,
-    are the column whose heading begins with ``temp`` or has the unit degC, or the only other one.
+    The first column of a text file, or the second one behind a count, has the times: dates (ISO
+    8601, or day.month.year; UTC if they name no zone; the time of day may have its own column),
+    seconds since 1970, or seconds, or what a heading says (ns to h). The temperatures, degC, are
+    the column whose heading begins with ``temp`` or has the unit degC, or the only other one.
     An ``.npz`` file has the arrays ``temp_t_s`` (s) and ``temp_C`` (degC).
 
     Raises
@@ -134,9 +139,15 @@ def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if begin is None:
         raise BearingTwinError(
             f'{path} has no line of a time and a temperature; give times in s or as dates such as '
-            '2026-03-04 12:00:00'
+            '2026-03-04 12:00:00 or 04.03.2026 12:00:00'
         )
     heading = rows[begin - 1] if begin else []
+    if math.isnan(_number(rows[begin][1])) and _seconds(rows[begin][1]) is not None:
+        # A count of the readings stands before their dates.
+        rows, heading = [row[1:] for row in rows], heading[1:]
+    if _DATE.fullmatch(rows[begin][0]) and _CLOCK.fullmatch(''.join(rows[begin][1:2])):
+        rows = [[' '.join(row[:2]), *row[2:]] for row in rows]
+        heading = heading[1:]
     column = _temperature_column(path, heading, len(rows[begin]))
     if len(heading) > column and math.isfinite(_number(heading[column])):
         raise BearingTwinError(f'{path}: line {begin} has no time: {heading[0]:.20}')
@@ -183,10 +194,15 @@ def _seconds(field: str, unit: float = 1.0) -> float | None:
     if not math.isnan(number := _number(field)):
         return number * unit
     try:
-        date = datetime.fromisoformat(field.replace('Z', '+00:00'))
+        date = datetime.fromisoformat(_DAY_FIRST.sub(_year_first, field).replace('Z', '+00:00'))
     except ValueError:
         return None
     return (date if date.tzinfo else date.replace(tzinfo=timezone.utc)).timestamp()
+
+
+def _year_first(date: re.Match[str]) -> str:
+    day, month, year = date.groups()
+    return f'{year}-{month:0>2}-{day:0>2}'
 
 
 def write_temperature_recording(

@@ -42,6 +42,29 @@ def _recorded(path):
             NOON,
             [0.0, 60.0, 300.0],
         ),
+        (
+            'Datum;Temperatur [°C]\n4.3.2026 12:00:00;20,0\n04.03.2026 12:01;21\n'
+            '04.03.2026 12:05:00;23,5\n',
+            NOON,
+            [0.0, 60.0, 300.0],
+        ),
+        (
+            'Datum;Uhrzeit;Temp. 1\n04.03.2026;12:00:00;20,0\n04.03.2026;12:01;21\n'
+            '04.03.2026;12:05:00;23,5\n',
+            NOON,
+            [0.0, 60.0, 300.0],
+        ),
+        (
+            '2026-03-04\t12:00\t20\n2026-03-04\t12:01\t21\n2026-03-04\t12:05\t23.5\n',
+            NOON,
+            [0.0, 60.0, 300.0],
+        ),
+        (
+            ',timestamp,temperature\n0,2026-03-04 12:00,20\n1,2026-03-04 12:01,21\n'
+            '2,2026-03-04 12:05,23.5\n',
+            NOON,
+            [0.0, 60.0, 300.0],
+        ),
         ('time,t1\n1772625600,20\n1772625601,21\n1772625603,23.5\n', NOON, [0.0, 1.0, 3.0]),
     ],
 )
@@ -75,7 +98,7 @@ def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
             'nothing\n',
             'has no line of a time and a temperature; give times in s or as dates such as',
         ),
-        ('01.03.2026 12:00;20\n', 'has no line of a time and a temperature'),
+        ('03/01/2026 12:00;20\n', 'has no line of a time and a temperature'),
         ('time,temperature\nnan,20\n0,21\n1,22\n', 'line 2 has no time: nan'),
         ('0,20\n1e300,21\n', 'a time of 1e+300 s; stamps of ROS end in 2038'),
     ],
