@@ -170,9 +170,10 @@ def _temperature_column(path: Path, heading: list[str], count: int) -> int:
     if not columns and count == 2:
         columns = [1]
     if len(columns) != 1:
+        named = ', '.join(heading[1:])[:200] or 'without heading'
         raise BearingTwinError(
-            f'{path}: {len(columns)} of its columns {", ".join(heading[1:]) or "without heading"} '
-            'are temperatures; leave the times and one temperature'
+            f'{path}: {len(columns)} of its columns {named} are temperatures; leave the times and '
+            'one temperature'
         )
     # A line before the numbers may be a title, shorter than a heading.
     if heading[columns[0] :] and _OTHER_UNIT.search(heading[columns[0]]):

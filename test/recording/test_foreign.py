@@ -497,6 +497,15 @@ def test_times_that_stand_still_for_many_values_give_the_rate_between_their_chan
     assert read_signal(path).sample_rate == pytest.approx(25600.0, rel=1.5e-3)
 
 
+def test_infinite_times_are_refused_without_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    path.write_text('time,acc\n' + '-1e308,4\n1e308,5\n' * 50 + 'inf,2\ninf,3\n')
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        with pytest.raises(BearingTwinError, match='have gaps, or too few digits'):
+            read_signal(path)
+
+
 def test_times_that_hardly_change_give_no_sample_rate(tmp_path: Path) -> None:
     path = tmp_path / 'a.csv'
     path.write_text('time,acc\n' + '\n'.join(f'{k // 12000},{k % 7}' for k in range(18000)))

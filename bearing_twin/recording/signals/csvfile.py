@@ -64,6 +64,8 @@ PADDED = re.compile(r'(?=.*,0\d)[-+\d,]+')
 UNIT = re.compile(r'[\[(]([^\])]+)[\])]')
 
 
+# Infinite or huge times would warn.
+@np.errstate(over='ignore', invalid='ignore')
 def read_csv(path: Path) -> dict[str, Any]:
     """
     Return the columns of a text file by name, or by ``c0``, ``c1``, ... without a heading.
