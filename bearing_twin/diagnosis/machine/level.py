@@ -114,40 +114,30 @@ def with_fault_stage(diagnosis: Diagnosis) -> Diagnosis:
     """
     Return a diagnosis with the stage of its fault, 0 if its level is not *fault*.
 
-    >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.report import insufficient
-    >>> verdict = replace(insufficient(['too short'], find_bearing('6307')), level='fault')
-    >>> with_fault_stage(verdict).severity.stage
-    1
-
-    """
-    severity, stage = diagnosis.severity, 0
-    if diagnosis.level == 'fault':
-        place = diagnosis.faults[0] if diagnosis.faults else ''
-        index = diagnosis.modulation_index.get(place, 0.0)
-        stage = fault_stage(index, severity.level_over_baseline, severity.iso_zone)
-    if stage == severity.stage:
-        return diagnosis
-    return replace(diagnosis, severity=replace(severity, stage=stage))
-
-
-def fault_stage(index: float, level_over_baseline: float, iso_zone: str) -> int:
-    """
-    Return the stage of a fault, from 1 (incipient) to 4 (severe).
-
     1: the envelope is not fully modulated; 2: it is; 3: the vibration is twice (6 dB) the baseline
     of the machine, or in zone C; 4: it is four times the baseline, or in zone D. Without baseline
     and zone the stage is at most 2.
 
-    >>> fault_stage(0.7, 2.0, 'A'), fault_stage(0.7, 13.0, '')
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> verdict = replace(insufficient(['too short'], find_bearing('6307')), level='fault')
+    >>> worn = replace(verdict, severity=replace(verdict.severity, level_over_baseline=13.0))
+    >>> with_fault_stage(verdict).severity.stage, with_fault_stage(worn).severity.stage
     (1, 4)
 
     """
-    if level_over_baseline >= FAULT_DB or iso_zone == 'D':
-        return 4
-    if level_over_baseline >= SUSPECT_DB or iso_zone == 'C':
-        return 3
-    return 2 if index >= _DEEP else 1
+    severity, stage = diagnosis.severity, 0
+    over, zone = severity.level_over_baseline, severity.iso_zone
+    if diagnosis.level == 'fault':
+        place = diagnosis.faults[0] if diagnosis.faults else ''
+        stage = 2 if diagnosis.modulation_index.get(place, 0.0) >= _DEEP else 1
+        if over >= FAULT_DB or zone == 'D':
+            stage = 4
+        elif over >= SUSPECT_DB or zone == 'C':
+            stage = 3
+    if stage == severity.stage:
+        return diagnosis
+    return replace(diagnosis, severity=replace(severity, stage=stage))
 
 
 def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:

@@ -25,7 +25,7 @@ from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone, CONFIRMING, WHY
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
 from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
-from bearing_twin.diagnosis.series.newest import judged_counts, lasting, newest_levels
+from bearing_twin.diagnosis.series.newest import EARLIER, judged_counts, lasting, levels_reached
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.series.state import SeriesMemory
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -392,7 +392,8 @@ class SeriesMonitor:
         watched = range(len(WATCHED))
         limits = [base.levels[n] + self._limit(n) if base else math.inf for n in watched]
         zone_c = least_limits(self._settings.power_group, self._settings.mounting)[1]
-        return newest_levels(self._levels, [*limits, 20.0 * math.log10(zone_c)], sound)
+        counts = judged_counts(self._levels, [*limits, 20.0 * math.log10(zone_c)], sound)
+        return levels_reached(np.array(self._levels[-EARLIER:]), counts)
 
     def _hold(self, time: float, wanted: str) -> None:
         """Update the held level, its place and rule; if an alarm ends, forget its envelopes."""

@@ -54,14 +54,11 @@ def judged(reached: int) -> int:
     return min(FEWEST + math.ceil(reached / _REACHED), MOST)
 
 
-def newest_levels(
+def judged_counts(
     levels: Sequence[NDArray[np.float64]], limits: Sequence[float], sound: int
-) -> NDArray[np.float64]:
+) -> list[int]:
     """
-    Return the level of each measure that the newest snapshots reach, dB.
-
-    It is the level that all but one of those that are judged reach, or a higher one that comes and
-    goes and that ``OFTEN`` of the newest ``EARLIER`` reach.
+    Return by how many of the newest snapshots each measure is judged.
 
     Parameters
     ----------
@@ -72,28 +69,6 @@ def newest_levels(
     sound
         Number of snapshots before an alarm; their number without one. Later ones reach the limit
         because of the damage.
-
-    Examples
-    --------
-    >>> quiet, loud = np.zeros(1), np.full(1, 9.0)
-    >>> newest_levels([quiet] * 60 + [loud] * 4, [6.0], 64)
-    array([9.])
-    >>> newest_levels([quiet, quiet, loud] * 20 + [loud] * 4, [6.0], 64)
-    array([0.])
-    >>> newest_levels([quiet, loud, quiet, loud, loud] * 13, [6.0], 65)
-    array([9.])
-
-    """
-    return levels_reached(np.array(levels[-EARLIER:]), judged_counts(levels, limits, sound))
-
-
-def judged_counts(
-    levels: Sequence[NDArray[np.float64]], limits: Sequence[float], sound: int
-) -> list[int]:
-    """
-    Return by how many of the newest snapshots each measure is judged.
-
-    Arguments as in :func:`newest_levels`.
 
     >>> judged_counts([np.full(1, 9.0)] * 6 + [np.zeros(1)] * 10, [6.0], 16)
     [7]
@@ -108,12 +83,14 @@ def levels_reached(newest: NDArray[np.float64], counts: Sequence[int]) -> NDArra
     """
     Return the level of each measure that all but one of its newest snapshots reach.
 
-    A higher level counts if it comes and goes; see `OFTEN`. ``newest`` are the levels of up to
-    ``EARLIER`` snapshots, shape (snapshots, measures); ``counts`` says how many of them are
-    judged.
+    A higher level counts if it comes and goes and ``OFTEN`` of them reach it. ``newest`` are the
+    levels of up to ``EARLIER`` snapshots, shape (snapshots, measures); ``counts`` says how many of
+    them are judged.
 
     >>> levels_reached(np.array([[0.0], [9.0], [7.0], [0.0], [8.0]]), [4])
     array([7.])
+    >>> levels_reached(np.array([[0.0], [9.0], [0.0], [9.0], [9.0]] * 12), [7])
+    array([9.])
 
     """
     staying = np.array([np.sort(newest[-count:, n])[:2][-1] for n, count in enumerate(counts)])
