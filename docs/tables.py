@@ -20,7 +20,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, find_bearing, LEVELS, next_step, RESULTS, TITLES
 from bearing_twin.bearing.vocabulary import STAGE_STEPS, STAGES
-from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.result import insufficient
 from bearing_twin.nodes.diagnosis_topics import LEVELS as STATUS_LEVELS
 from bearing_twin.nodes.diagnosis_topics import VERDICT_LEVELS, verdict_status
 from bearing_twin.recording.schedule import write_temperature_recording

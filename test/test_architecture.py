@@ -56,7 +56,6 @@ DIAGNOSIS = (
     'result',
     'detection_power',
     'window',
-    'report',
     'chain',
     'machine',
     'record',

@@ -140,7 +140,7 @@ def influxdb(tmp_path):
 def statuses():
     """Return the values of the statuses of a machine, at three moments of its life."""
     from bearing_twin.diagnosis import diagnose_record
-    from bearing_twin.diagnosis.report import insufficient
+    from bearing_twin.diagnosis.result import insufficient
     from bearing_twin.nodes.diagnosis_topics import verdict_status
     from bearing_twin.nodes.twin_topics import temperature_status
     from bearing_twin.thermal.gate import TemperatureGate

@@ -8,7 +8,7 @@ import math
 
 from bearing_twin.bearing import find_bearing, PLACES
 from bearing_twin.diagnosis.machine.trend import Source, Trend
-from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.result import insufficient
 from bearing_twin.dynamics.single.condition import Condition
 from bearing_twin.recording import topics
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED, SOURCE_UNKNOWN

@@ -7,7 +7,7 @@ The rooms, from samples to an answer; each uses those before it: ``signal`` (gat
 spectra, shaft speed, levels), ``combs`` (lines of the fault orders), ``rules`` (evidence, the
 table of rules, confidence), ``machine`` (baseline and trend of one machine) and ``series`` (many
 short snapshots of one machine). The files beside them connect the rooms: the `chain` analyses a
-`window` and makes its `report`, for a whole `record` or a stream (`streaming`).
+`window` and makes its `result`, for a whole `record` or a stream (`streaming`).
 """
 
 from importlib import import_module

@@ -11,13 +11,14 @@ import math
 import threading
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import PLACES
+from bearing_twin.bearing import fault_frequencies, PLACES
 from bearing_twin.diagnosis.combs.comb import accumulate, OrderSpectra
 from bearing_twin.diagnosis.combs.harmonics import spaced_by_shaft
 from bearing_twin.diagnosis.combs.plain_lines import low_lines
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.combs.sidebands import sideband_ratio
-from bearing_twin.diagnosis.report import insufficient, report
+from bearing_twin.diagnosis.detection_power import smallest_detectable
+from bearing_twin.diagnosis.result import Diagnosis, insufficient
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import answer, with_confidence_basis
 from bearing_twin.diagnosis.signal.demodulation import (
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
 
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.combs.candidate import Candidate
-    from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.rules.verdict import Verdict
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
@@ -367,17 +367,57 @@ class Analysis:
                 severity=excerpt.severity(self.shaft_hz),
             )
         verdict, speed = self._verdict([*earlier, *self.before, window.orders], window)
-        settings = excerpt.settings
-        asked = settings.power_group and settings.mounting and not window.severity.iso_zone
-        slow = (_NO_ZONE,) if asked and self.shaft_hz < SLOW_HZ else ()
-        return report(
-            verdict._replace(reasons=(*verdict.reasons, *slow)),
-            window if speed is window.speed else replace(window, speed=speed),
-            excerpt.bearing,
-            notes=excerpt.notes,
-            simulated=excerpt.simulated,
-            shaft_hz_given=self.shaft_hz,
+        settings, severity, shaft_hz = excerpt.settings, window.severity, speed.shaft_hz
+        smallest, reasons = math.nan, [*excerpt.notes, *verdict.reasons]
+        if settings.power_group and settings.mounting and not severity.iso_zone:
+            reasons += [_NO_ZONE] * (self.shaft_hz < SLOW_HZ)
+        if excerpt.simulated:
+            smallest = smallest_detectable(
+                window.seconds, shaft_hz, excerpt.temperature, severity.rms, severity.unit,
+                excerpt.bearing.d_ball,
+            )  # fmt: skip
+            if verdict.result == 'insufficient':
+                shown = f'one {smallest:.2g} mm wide' if smallest > 0.0 else 'none is sure to'
+                reasons.append(f'smallest race fault that would have shown: {shown}')
+        strongest, expected = verdict.strongest, fault_frequencies(excerpt.bearing, shaft_hz)
+        # Without a fault the envelope spectrum of the whole band is shown.
+        band = strongest.band if strongest else 0
+        envelope = window.envelope_spectrum(band)
+        found: dict[str, Any] = {}
+        if strongest is not None:
+            fault_hz = strongest.order * shaft_hz
+            line_hz = fault_hz * np.arange(1, HARMONICS + 1)
+            rows = np.rint(line_hz / envelope.bin_hz).astype(int) - 1
+            rows = np.clip(rows, 0, len(envelope.values) - 1)
+            found = {
+                'slip': strongest.slip,
+                'fault_hz': fault_hz,
+                'fault_hz_expected': expected.impacts(strongest.place),
+                'line_hz': line_hz.astype(np.float32),
+                'line_level': envelope.values[rows] / envelope.floor[rows],
+            }
+        return Diagnosis(
             **taken,
+            **found,
+            result=verdict.result,
+            rule=verdict.rule,
+            level=verdict.level,
+            faults=verdict.faults,
+            confidence=verdict.confidence,
+            reasons=tuple(reasons),
+            shaft_hz_given=self.shaft_hz,
+            shaft_hz=shaft_hz,
+            expected=expected,
+            score={name: verdict.candidates[name].z for name in PLACES},
+            modulation_index={name: verdict.candidates[name].index for name in PLACES},
+            band=envelope.band,
+            severity=severity,
+            smallest_detectable=smallest,
+            spectrum=window.spectrum(excerpt.sample_rate),
+            envelope_spectrum=envelope,
+            found_hz={name: c.order * shaft_hz for name, c in verdict.candidates.items()},
+            trust=verdict.trust,
+            kind=verdict.kind,
         )
 
     def _verdict(

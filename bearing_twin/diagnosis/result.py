@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnosis of one window: the verdict, its evidence and its spectra."""
+"""Diagnosis of one window: the verdict, its evidence and its spectra; or none, and why."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from dataclasses import dataclass, field
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import FAULT_CODES, PLACES
+from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
 from bearing_twin.diagnosis.rules.confidence import Trust
+from bearing_twin.diagnosis.signal.severity import Severity
 import numpy as np
 
 if TYPE_CHECKING:
-    from bearing_twin.bearing import FaultFrequencies
-    from bearing_twin.diagnosis.signal.severity import Severity
+    from collections.abc import Sequence
+
+    from bearing_twin.bearing import Bearing, FaultFrequencies
     from numpy.typing import NDArray
 
 
@@ -32,7 +34,7 @@ class Spectrum:
 
     kind: str = 'spectrum'
     """``'spectrum'``: largest amplitude, in ``unit``, in each step of about 1 Hz (see
-    :func:`bearing_twin.diagnosis.report.coarse_spectrum`); or ``'squared_envelope_spectrum'``:
+    :func:`bearing_twin.diagnosis.window.coarse_spectrum`); or ``'squared_envelope_spectrum'``:
     power of the squared envelope relative to that of its mean, at full resolution."""
     unit: str
     start_hz: float = 0.0
@@ -89,3 +91,41 @@ class Diagnosis:
     def fault_code(self) -> str:
         """Fault code of the result."""
         return FAULT_CODES[self.result]
+
+
+def insufficient(
+    reasons: Sequence[str],
+    bearing: Bearing,
+    *,
+    first_sample: int = 0,
+    sample_count: int = 0,
+    sample_rate: float = math.nan,
+    shaft_hz: float = math.nan,
+    temperature: float = math.nan,
+    unit: str = '',
+    severity: Severity | None = None,
+) -> Diagnosis:
+    """
+    Return an insufficient diagnosis with its reasons, and with the severity if it was measured.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> verdict = insufficient(['the record is empty'], find_bearing('6307'))
+    >>> verdict.result, verdict.level, verdict.reasons
+    ('insufficient', 'none', ('the record is empty',))
+
+    """
+    return Diagnosis(
+        result='insufficient',
+        rule='record_gate',
+        level='none',
+        reasons=tuple(reasons),
+        first_sample=first_sample,
+        sample_count=sample_count,
+        sample_rate=sample_rate,
+        shaft_hz_given=shaft_hz,
+        expected=fault_frequencies(bearing, shaft_hz),
+        severity=severity or Severity(unit=unit),
+        temperature=temperature,
+        spectrum=Spectrum(unit=unit),
+        envelope_spectrum=Spectrum(kind='squared_envelope_spectrum', unit='1'),
+    )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.combs.comb import modulation_index, order_spectra, OrderSpectra
 from bearing_twin.diagnosis.combs.passages import ball_passages
+from bearing_twin.diagnosis.result import Spectrum
 from bearing_twin.diagnosis.signal.demodulation import highest_order
 from bearing_twin.diagnosis.signal.periodogram import OverlappingParts, power_of_lines
 from bearing_twin.diagnosis.signal.severity import Levels, measure_severity
@@ -62,6 +63,29 @@ class Window:
         """Turns of the shaft in the window."""
         return self.seconds * self.speed.shaft_hz
 
+    def spectrum(self, sample_rate: float) -> Spectrum:
+        """Return the spectrum for pictures; ``sample_rate`` in Hz."""
+        values, first_hz, step_hz = coarse_spectrum(self.amplitude, self.bin_hz)
+        return Spectrum(
+            unit=self.severity.unit,
+            start_hz=first_hz,
+            bin_hz=step_hz,
+            band=(0.0, 0.5 * sample_rate),
+            values=values,
+        )
+
+    def envelope_spectrum(self, band: int) -> Spectrum:
+        """Return the squared envelope spectrum of a band, with its floor."""
+        return Spectrum(
+            kind='squared_envelope_spectrum',
+            unit='1',
+            start_hz=self.envelopes.bin_hz,
+            bin_hz=self.envelopes.bin_hz,
+            band=self.bands[band],
+            values=self.envelopes.power[band],
+            floor=self.envelopes.floor(band),
+        )
+
     def kurtosis(self) -> float:
         """Return the median kurtosis of the segments, single shocks limited."""
         return statistics.median_low(segment.kurtosis for segment in self.segments)
@@ -92,6 +116,41 @@ class Window:
         floor = local_floor(lines.T, 2 * self.envelopes.hop).T
         above = replace(self.orders, excess=np.maximum(lines - floor, np.float32(0.0)))
         return modulation_index(above.comb_powers(np.array([order]), 0)[0])
+
+
+def coarse_spectrum(
+    amplitude: NDArray[np.float32], bin_hz: float
+) -> tuple[NDArray[np.float32], float, float]:
+    """
+    Return the largest amplitude in each group of bins about 1 Hz wide: lines keep their height.
+
+    For pictures and trends; the decision uses the full resolution.
+
+    Parameters
+    ----------
+    amplitude
+        One-sided amplitude spectrum, bin k at k bin_hz, shape (K,).
+    bin_hz
+        Hz.
+
+    Returns
+    -------
+    Amplitudes, the middle of the first group and the spacing of the groups, Hz. Bins wider than
+    2/3 Hz are returned as they are.
+
+    >>> amplitude = np.array([1.0, 0.0, 5.0, 0.0, 2.0, 0.0, 0.0, 3.0], np.float32)
+    >>> values, first_hz, step_hz = coarse_spectrum(amplitude, 0.25)
+    >>> values.tolist(), first_hz, step_hz
+    ([5.0, 3.0], 0.375, 1.0)
+
+    """
+    group = max(round(1.0 / bin_hz), 1)
+    count = -(-len(amplitude) // group)
+    padded = np.zeros(count * group, dtype=np.float32)
+    padded[: len(amplitude)] = amplitude
+    # Along columns: numpy is slow at the maximum of a few neighbours.
+    highest = np.ascontiguousarray(padded.reshape(count, group).T).max(axis=0)
+    return highest, 0.5 * (group - 1) * bin_hz, group * bin_hz
 
 
 def analyse_window(

@@ -8,7 +8,6 @@ from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.combs.comb import accumulate, comb_scores, order_spectra
 from bearing_twin.diagnosis.record import diagnose_record
-from bearing_twin.diagnosis.report import coarse_spectrum
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.signal.demodulation import choose_layout
@@ -19,6 +18,7 @@ from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.diagnosis.signal.severity import iso_zone, Levels, measure_severity
 from bearing_twin.diagnosis.signal.shaft import refine_shaft_hz, resample, SpeedProfile
 from bearing_twin.diagnosis.signal.spectra import envelope_spectra, local_floor, whiten
+from bearing_twin.diagnosis.window import coarse_spectrum
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest

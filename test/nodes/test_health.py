@@ -9,7 +9,7 @@ import time
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record
-from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.result import insufficient
 import numpy as np
 import pytest
 

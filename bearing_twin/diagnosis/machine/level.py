@@ -70,7 +70,7 @@ def with_required_level(diagnosis: Diagnosis) -> Diagnosis:
     zone and baseline says what it does not cover.
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> from bearing_twin.diagnosis.result import insufficient
     >>> verdict = insufficient(['too short'], find_bearing('6307'))
     >>> worn = replace(verdict, severity=replace(verdict.severity, iso_zone='D'))
     >>> raised = with_required_level(worn)
@@ -101,7 +101,7 @@ def unrated(diagnosis: Diagnosis, **changes: Any) -> Diagnosis:
     Return another answer about the same window, with the confidence of one that no study rates.
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> from bearing_twin.diagnosis.result import insufficient
     >>> verdict = insufficient(['too short'], find_bearing('6307'))
     >>> unrated(verdict, result='suspect').confidence
     0.5
@@ -119,7 +119,7 @@ def with_fault_stage(diagnosis: Diagnosis) -> Diagnosis:
     and zone the stage is at most 2.
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> from bearing_twin.diagnosis.result import insufficient
     >>> verdict = replace(insufficient(['too short'], find_bearing('6307')), level='fault')
     >>> worn = replace(verdict, severity=replace(verdict.severity, level_over_baseline=13.0))
     >>> with_fault_stage(verdict).severity.stage, with_fault_stage(worn).severity.stage
@@ -169,7 +169,7 @@ def by_zone(severity: Severity) -> tuple[str, str]:
     suspect and no alarm: the standard may not apply to the machine.
 
     >>> from bearing_twin.bearing import find_bearing
-    >>> from bearing_twin.diagnosis.report import insufficient
+    >>> from bearing_twin.diagnosis.result import insufficient
     >>> severity = insufficient(['too short'], find_bearing('6307')).severity
     >>> by_zone(replace(severity, iso_zone='C'))
     ('suspect', 'zone C of ISO 20816-3')

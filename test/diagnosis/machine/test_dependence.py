@@ -18,7 +18,7 @@ from bearing_twin.diagnosis.machine.dependence import (
 from bearing_twin.diagnosis.machine.level import with_required_level
 from bearing_twin.diagnosis.machine.onset import DECISION_DB, Rise
 from bearing_twin.diagnosis.machine.trend import Source, Trend
-from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.result import insufficient
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import restored
 from bearing_twin.studies import rise, temperature

@@ -9,7 +9,7 @@ from bearing_twin.bearing import fault_orders, find_bearing, next_step
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
 from bearing_twin.diagnosis.machine.level import with_fault_stage, with_required_level
 from bearing_twin.diagnosis.machine.trend import Source, Trend
-from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.result import insufficient
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
 from bearing_twin.packed import restored
 import numpy as np

@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from bearing_twin.bearing import find_bearing
-from bearing_twin.diagnosis.report import insufficient
+from bearing_twin.diagnosis.result import insufficient
 from bearing_twin.diagnosis.rules.table import RULES
 from bearing_twin.diagnosis.series.alone import Answer, Answers
 import numpy as np
