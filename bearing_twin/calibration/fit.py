@@ -49,7 +49,7 @@ from bearing_twin.calibration.measured.summaries import correlate, fastest_reson
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
-from bearing_twin.diagnosis.signal.gate import check_record
+from bearing_twin.diagnosis.signal.gate import check_record, Extent
 from bearing_twin.dynamics import warm_up
 from bearing_twin.dynamics.equations.sensor_path import band_levels, distance
 from bearing_twin.dynamics.parameters import check_bearing
@@ -232,7 +232,8 @@ def _checked(
     x = one_axis(samples, 'samples')
     check_bearing(bearing)
     load_range(bearing, load)
-    reasons = check_record(x, sample_rate, shaft_hz, highest_fault_order(bearing))
+    order = highest_fault_order(bearing)
+    reasons = check_record([Extent.of(x)], sample_rate, shaft_hz, order)
     if not reasons and sample_rate < LEAST_RATE:
         reasons = [f'sample rate {sample_rate:g} Hz: at least {LEAST_RATE:g} Hz are needed']
     if not reasons and shaft_hz > FASTEST_HZ:

@@ -27,7 +27,7 @@ from bearing_twin.diagnosis.signal.demodulation import (
     highest_fault_order,
     SECONDS,
 )
-from bearing_twin.diagnosis.signal.gate import check_extents, Extent, FAINTEST, LARGEST
+from bearing_twin.diagnosis.signal.gate import check_record, Extent, FAINTEST, LARGEST
 from bearing_twin.diagnosis.signal.severity import (
     LEAST,
     Levels,
@@ -238,7 +238,7 @@ class Excerpt:
         profile = self.speed_profile
         mean_hz = profile.mean_hz
         extents = [stretch.extent for stretch in self.stretches]
-        reasons = check_extents(extents, rate, mean_hz, highest_fault_order(bearing))
+        reasons = check_record(extents, rate, mean_hz, highest_fault_order(bearing))
         if not reasons and not ((profile.shaft_hz > 0.0) & np.isfinite(profile.shaft_hz)).all():
             reasons = ['the shaft stood still or turned backwards within the window']
         if reasons:

@@ -11,7 +11,7 @@ from bearing_twin.diagnosis.record import diagnose_record
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_envelopes
 from bearing_twin.diagnosis.signal.demodulation import choose_layout
-from bearing_twin.diagnosis.signal.gate import check_record
+from bearing_twin.diagnosis.signal.gate import check_record, Extent
 from bearing_twin.diagnosis.signal.lines import NEUTRAL
 from bearing_twin.diagnosis.signal.periodogram import OverlappingParts
 from bearing_twin.diagnosis.signal.ranks import column_ranks
@@ -310,23 +310,23 @@ def test_fewer_values_than_interpolation_takes_are_not_resampled(count):
     ],
 )
 def test_gate_says_what_is_missing(x, rate, hz, words):
-    (reason,) = check_record(x, rate, hz, 5.4)[:1]
+    (reason,) = check_record([Extent.of(x)], rate, hz, 5.4)[:1]
     assert words in reason
 
 
 def test_gate_lets_good_records_pass(rng):
-    assert check_record(rng.standard_normal(50_000), RATE, 25.0, 5.4) == []
+    assert check_record([Extent.of(rng.standard_normal(50_000))], RATE, 25.0, 5.4) == []
     # A sine of 32 steps of a converter is at its ends for a ninth of the time.
     steps = np.rint(32.0 * np.sin(0.9 * np.arange(50_000.0)))
-    assert check_record(steps, RATE, 25.0, 5.4) == []
+    assert check_record([Extent.of(steps)], RATE, 25.0, 5.4) == []
     # Impacts may stand in noise that is less than a step, however loud they are; a short drop-out
     # spoils little.
     impacts = np.zeros(50_000)
     impacts[::700] = rng.integers(-400, 401, len(impacts[::700]))
-    assert check_record(impacts, RATE, 25.0, 5.4) == []
+    assert check_record([Extent.of(impacts)], RATE, 25.0, 5.4) == []
     x = rng.standard_normal(100_000)
     x[1000:1400] = x[1000]
-    assert check_record(x, RATE, 25.0, 5.4) == []
+    assert check_record([Extent.of(x)], RATE, 25.0, 5.4) == []
 
 
 @pytest.mark.parametrize('steps', [1e9, 100.0, 6.0, 2.0])
@@ -334,7 +334,7 @@ def test_gate_tells_drop_outs_of_signals_of_few_and_of_many_steps(rng, steps):
     x = np.rint(steps * rng.standard_normal(100_000))
     for start in (10_000, 50_000):
         x[start : start + 4_000] = x[start]
-    (reason,) = check_record(x, RATE, 25.0, 5.4)
+    (reason,) = check_record([Extent.of(x)], RATE, 25.0, 5.4)
     assert '8.0 % of the samples repeat one value' in reason
 
 
@@ -342,7 +342,7 @@ def test_a_signal_that_is_clipped_at_each_swing_is_found(rng):
     """Noise up to half of the sample rate stays at an end for one or two samples at a time."""
     x = rng.standard_normal(50_000)
     x[1::2] *= -1.0
-    (reason,) = check_record(np.clip(np.diff(x), -1.0, 1.0), RATE, 25.0, 5.4)
+    (reason,) = check_record([Extent.of(np.clip(np.diff(x), -1.0, 1.0))], RATE, 25.0, 5.4)
     assert 'clipped' in reason
 
 
@@ -351,7 +351,7 @@ def test_the_end_of_few_steps_is_no_clipping(rng, steps, advice):
     """Hum below a step of the converter, as of a dead sensor, and hum that is clipped."""
     x = signal.lfilter(*signal.butter(2, 0.02), rng.standard_normal(50_000))
     x = np.rint(np.clip(steps * x / x.std(), -1.5 * steps - 1.0, 1.5 * steps + 1.0))
-    (reason,) = check_record(x, RATE, 25.0, 5.4)
+    (reason,) = check_record([Extent.of(x)], RATE, 25.0, 5.4)
     assert reason.endswith(advice)
 
 

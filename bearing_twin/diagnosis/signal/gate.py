@@ -102,15 +102,15 @@ class Extent:
 
 
 def check_record(
-    x: NDArray[np.float64], sample_rate: float, shaft_hz: float, highest_order: float
+    parts: Sequence[Extent], sample_rate: float, shaft_hz: float, highest_order: float
 ) -> list[str]:
     """
     Return the reasons why a record cannot be diagnosed; empty if it can.
 
     Parameters
     ----------
-    x
-        Samples, shape (n,).
+    parts
+        Extents of the parts of the record; of the whole record if it is one.
     sample_rate
         Hz.
     shaft_hz
@@ -118,23 +118,10 @@ def check_record(
     highest_order
         Highest fault order of the bearing.
 
-    >>> check_record(np.sin(np.arange(25600.0)), 25600.0, 25.0, 5.0)
+    >>> check_record([Extent.of(np.sin(np.arange(25600.0)))], 25600.0, 25.0, 5.0)
     []
-    >>> check_record(np.ones(25600), 25600.0, 25.0, 5.0)
+    >>> check_record([Extent.of(np.ones(25600))], 25600.0, 25.0, 5.0)
     ['the signal is constant at 1: check sensor and cable']
-
-    """
-    return check_extents([Extent.of(x)], sample_rate, shaft_hz, highest_order)
-
-
-def check_extents(
-    parts: Sequence[Extent], sample_rate: float, shaft_hz: float, highest_order: float
-) -> list[str]:
-    """
-    Return the reasons why a record in parts cannot be diagnosed; as :func:`check_record`.
-
-    >>> check_extents([Extent(0, 0, 0.0, 0.0, 0, 0)], 25600.0, 25.0, 5.0)
-    ['the record is empty: give at least a second of vibration']
 
     """
     unusable = _unusable(parts, sample_rate, shaft_hz)
