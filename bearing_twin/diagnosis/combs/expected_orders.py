@@ -13,7 +13,6 @@ import numpy as np
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.combs.candidate import Candidate
-    from numpy.typing import NDArray
 
 
 class ExpectedOrders:
@@ -54,14 +53,6 @@ class ExpectedOrders:
     def of(self, place: str) -> tuple[float, float]:
         """Return the impact order of a place without slip, and its change with a slip of 1."""
         return self._of[place]
-
-    def between(self, place: str, slips: tuple[float, float], step: float) -> NDArray[np.float64]:
-        """Return the orders of a place in a range of slip, ``step`` apart; at least one."""
-        order, slope = self.of(place)
-        ends = sorted(order + slope * slip for slip in slips)
-        slack = self.uncertainty * order
-        grid = np.arange(ends[0] - slack, ends[1] + slack, step)
-        return grid if len(grid) else np.array([order])
 
     def cage(self) -> tuple[float, float]:
         """Return the lowest and highest order of the cage."""

@@ -82,8 +82,12 @@ class CombSearch:
         )
 
     def _between(self, place: str, slips: tuple[float, float]) -> NDArray[np.float64]:
-        """Return the orders of a place in a range of slip, 1/8 bin apart."""
-        return self.expected.between(place, slips, 0.5 * self.spectra.step / HARMONICS)
+        """Return the orders of a place in a range of slip, 1/8 bin apart; at least one."""
+        order, slope = self.expected.of(place)
+        ends = sorted(order + slope * slip for slip in slips)
+        slack = self.expected.uncertainty * order
+        grid = np.arange(ends[0] - slack, ends[1] + slack, 0.5 * self.spectra.step / HARMONICS)
+        return grid if len(grid) else np.array([order])
 
     def strongest_anywhere(self, *, beyond: bool = False) -> Candidate:
         """
