@@ -29,9 +29,9 @@ from bearing_twin.diagnosis.signal.demodulation import (
 )
 from bearing_twin.diagnosis.signal.gate import check_record, Extent, FAINTEST, LARGEST
 from bearing_twin.diagnosis.signal.severity import (
-    LEAST,
     Levels,
     measure_severity,
+    SHORTEST,
     SLOW_HZ,
     valid_for_length,
 )
@@ -189,7 +189,7 @@ class Excerpt:
             # count.
             pieces = max(1, round(turns / longest)) if 0.0 < turns < count / 2 else 1
             if divided:
-                each = max(SECONDS * sample_rate, LEAST)
+                each = max(SECONDS * sample_rate, SHORTEST)
                 stretches = max(1, round(count / pieces / each))
         length = fft.prev_fast_len(max(count // (pieces * stretches), 1), real=True)
         edges = np.arange(pieces * stretches + 1) * min(length, count)
@@ -268,7 +268,7 @@ class Excerpt:
         """
         x, settings = self.samples, self.settings
         # At the smallest sampling rates the width of a bin underflows to 0.
-        if len(x) < LEAST or not 0.0 < self.sample_rate / len(x) < math.inf or shaft_hz == 0.0:
+        if len(x) < SHORTEST or not 0.0 < self.sample_rate / len(x) < math.inf or shaft_hz == 0.0:
             return None
         if not np.abs(x).max() <= LARGEST or not np.ptp(x) > FAINTEST:
             return None

@@ -15,7 +15,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, Comb, LEAST
+from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, Comb, LEAST_AVERAGED
 from bearing_twin.studies.disturbances import CONDITIONS
 from bearing_twin.studies.impact_machines import draw, record
 from bearing_twin.studies.output import arguments, print_table
@@ -39,7 +39,7 @@ def averaged(number: int) -> tuple[str, Comb | None, Comb | None] | None:
     if case.sample_rate < LOWEST_RATE:
         return None
     average = AveragedEnvelope()
-    for x in np.array_split(record(case), LEAST):
+    for x in np.array_split(record(case), LEAST_AVERAGED):
         average.add(x - x.mean(), case.sample_rate, case.given_hz)
     shown = average.place(case.geometry, AveragedEnvelope())
     return case.condition, shown, average.strong(case.geometry, case.given_hz)

@@ -57,7 +57,7 @@ SPEED_ERROR = 0.01
 """Relative error of the given speed up to which strikes of the shaft are taken for no place."""
 Z_PLACE = 5.0
 """Significance from which a place is named."""
-LEAST = 20
+LEAST_AVERAGED = 20
 """Least number of snapshots in an average that names a place."""
 
 
@@ -233,13 +233,13 @@ class AveragedEnvelope:
         There is none with too few snapshots, without a significant comb, or if two places cannot
         be told apart at this resolution.
         """
-        if self.count < LEAST:
+        if self.count < LEAST_AVERAGED:
             return None
         resolution = self.count / self.turns
         if 1.5 * resolution >= HIGHEST / HARMONICS:
             return None
         excess = self.excess()
-        if before.count >= LEAST:
+        if before.count >= LEAST_AVERAGED:
             # Lines that were there before, of the shaft and of other machines, are no damage.
             excess = excess - np.maximum(before.excess(), 0.0)
         # The step of the highest harmonic is a bin.

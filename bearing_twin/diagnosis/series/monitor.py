@@ -23,8 +23,7 @@ from bearing_twin.diagnosis.machine.level import by_zone, FALLEN, FAULT_DB, SUSP
 from bearing_twin.diagnosis.machine.onset import Rise, rise_begins, slope
 from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone, CONFIRMING, WHY
-from bearing_twin.diagnosis.series.averaging import AveragedEnvelope
-from bearing_twin.diagnosis.series.averaging import LEAST as LEAST_AVERAGED
+from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, LEAST_AVERAGED
 from bearing_twin.diagnosis.series.newest import EARLIER, judged_counts, lasting, levels_reached
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.series.state import SeriesMemory
@@ -34,13 +33,13 @@ from bearing_twin.diagnosis.signal.impact_height import impact_height, lowest_hz
 from bearing_twin.diagnosis.signal.severity import (
     band_name,
     iso_zone,
-    LEAST,
     least_limits,
     Levels,
     measure_severity,
     MEASURES,
     monitored_levels,
     Severity,
+    SHORTEST,
     valid_for_length,
 )
 from bearing_twin.diagnosis.streaming import HIGHEST_RATE, LOWEST_RATE
@@ -315,8 +314,8 @@ class SeriesMonitor:
                 f'{sample_rate:g} Hz and unit {unit!r} are not the {before.sample_rate:g} Hz and '
                 f'{before.unit!r} of this series; another sensor?'
             )
-        if len(x) < LEAST:
-            return f'fewer than {LEAST} samples'
+        if len(x) < SHORTEST:
+            return f'fewer than {SHORTEST} samples'
         if not np.isfinite(x).all():
             return 'NaN or infinite samples'
         if np.abs(x).max() > LARGEST:

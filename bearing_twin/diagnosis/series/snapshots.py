@@ -16,7 +16,7 @@ from bearing_twin.diagnosis.machine.level import UNRATED_CONFIDENCE, with_fault_
 from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
-from bearing_twin.diagnosis.signal.severity import LEAST
+from bearing_twin.diagnosis.signal.severity import SHORTEST
 from bearing_twin.diagnosis.signal.shaft import SpeedProfile
 from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
 from bearing_twin.errors import BearingTwinError
@@ -155,8 +155,8 @@ class SeriesDiagnoser:
         settings = self._settings.for_speed(measured=speed_measured, simulated=simulated)
         parts, count = self._parts, self._held
         self._parts = []
-        if count < LEAST:
-            self._short = f': the last snapshot has {count} samples, and {LEAST} are the least'
+        if count < SHORTEST:
+            self._short = f': the last snapshot has {count} samples, and {SHORTEST} are the least'
             return []
         self._whole, self._short = self._last, ''
         self._due.append(self._last)

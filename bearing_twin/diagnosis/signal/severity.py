@@ -37,7 +37,7 @@ ISO_LIMITS: dict[tuple[int, str], tuple[float, float, float]] = {
 SLOW_HZ = 10.0
 """Shaft speed below which the velocity of ISO 20816-3 is from 2 Hz on, Hz."""
 
-LEAST = 64
+SHORTEST = 64
 """Least number of samples of a measurement."""
 
 SHORTEST_VELOCITY = 1.0
