@@ -15,6 +15,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.vocabulary import PLACES
+from bearing_twin.diagnosis.thresholds import HARMONICS
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.verdict import impacts, pretty, same_window
 import numpy as np
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
 
 ENVELOPE = 'squared_envelope_spectrum'
-HARMONICS = 4
 CHANCE = 1e-3
 """Fraction of the bins of noise that lies above the threshold."""
 ZOOM_BINS = 20
@@ -52,7 +52,7 @@ class Comb:
         return f'{name}{kind} {self.fundamental:.2f} Hz'
 
     def harmonics(self, top: float = math.inf) -> NDArray[np.floating]:
-        """Return the first four harmonics up to ``top``, Hz; of the shaft all of them."""
+        """Return the first harmonics up to ``top``, Hz; of the shaft all of them."""
         count = HARMONICS
         if self.family == 'shaft' and math.isfinite(top):
             count = int(top / self.fundamental)

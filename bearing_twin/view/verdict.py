@@ -17,7 +17,7 @@ from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
 from bearing_twin.diagnosis.rules.table import HEALTHY, TELLS
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.diagnosis.signal.severity import SLOW_HZ
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE, Z_FAULT
+from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, RIVAL, Z_CAGE, Z_FAULT
 from bearing_twin.quantity import signed
 from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_NONE, LEVEL_OK, LEVEL_SUSPECT
 from bearing_twin.stamps import stamp_ns, time_unit
@@ -26,8 +26,6 @@ from bearing_twin.view.trends import recorded
 SUSTAINED = 3
 """Number of consecutive windows after which a verdict is sustained."""
 RANKS: dict[float, int] = {LEVEL_NONE: 0, LEVEL_OK: 1, LEVEL_SUSPECT: 2, LEVEL_FAULT: 3}
-RIVAL = 0.7
-"""Fraction of the named family's significance from which another family is a rival."""
 CLOSE = 0.02
 """Relative distance within which a line may be a sideband: the range of slip."""
 
@@ -234,7 +232,7 @@ def rival(diagnosis: Any) -> str:
     rivals = [
         place
         for place, score in scores.items()
-        if score >= max(limits[place], RIVAL * own)
+        if score >= max(limits[place], own / RIVAL)
         or (score > limits[place] and index[place] > INDEX_FAULT)
     ]
     if not rivals:

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT
+from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_FAULT, INDEX_SUSPECT
 from bearing_twin.view.report.svg import BINS, FAMILY_COLOURS
-from bearing_twin.view.spectrum import HARMONICS, highest, SpectrumPicture
+from bearing_twin.view.spectrum import highest, SpectrumPicture
 from matplotlib.ticker import MaxNLocator
 import numpy as np
 
