@@ -144,6 +144,7 @@ class RecordingWriter:
         self._flushed = self._synced = time.monotonic()
         problem = self._file.drain()
         if problem:
+            self._remove()
             raise BearingTwinError(f'the recording cannot be made: {problem}')
         self._begun = True
 
@@ -322,6 +323,9 @@ class RecordingWriter:
     def discard(self) -> None:
         """Close and remove all files of the recording, so that no incomplete result is left."""
         self._closed = True
+        self._remove()
+
+    def _remove(self) -> None:
         self._disk.settle()
         for file in (*self._ending, self._file):
             file.abandon()

@@ -81,6 +81,24 @@ def test_full_disk_loses_nothing_while_memory_lasts(tmp_path: Path) -> None:
     assert first_samples(tmp_path / 'run') == list(range(50))
 
 
+@pytest.mark.parametrize('name', ['run', 'run.mcap'])
+def test_a_recording_that_a_full_disk_refuses_leaves_nothing(tmp_path: Path, name: str) -> None:
+    with file_size_limit(0), pytest.raises(BearingTwinError, match='File too large'):
+        RecordingWriter(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_snapshot_that_a_full_disk_refuses_is_made_by_the_next_trigger(tmp_path: Path) -> None:
+    writer = SnapshotWriter(tmp_path / 'run', before=1.0, after=1.0, memory=10**6)
+    put(writer, 0)
+    with file_size_limit(0), pytest.raises(BearingTwinError, match='File too large'):
+        writer.trigger(START)
+    put(writer, 1)
+    writer.trigger(START + 1)
+    writer.close()
+    assert first_samples(tmp_path / 'run') == [0, 1]
+
+
 def test_full_disk_drops_and_counts_when_memory_is_full(tmp_path: Path) -> None:
     options = WriterOptions(compression='none', cache_size=10 * SIZE)
     with RecordingWriter(tmp_path / 'run', options) as writer:
