@@ -17,7 +17,7 @@ from bearing_twin.ros.parameters import ParameterSet, read_as_at_start, unknown_
 from bearing_twin.ros.topics.subscribing import validated
 from bearing_twin.streams.statefile import NodeStates
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
-from rclpy.exceptions import ParameterException
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rclpy.qos_overriding_options import InvalidQosOverridesError
@@ -33,6 +33,13 @@ if TYPE_CHECKING:
     from rclpy.subscription import Subscription
 
 
+REFUSALS = (
+    'Unexpected QoS override',
+    'error creating node: invalid node name',
+    # Two topics of different types that are remapped to one.
+    'called for existing topic name',
+)
+"""Refusals for which rclpy raises RuntimeError, by a part of their text."""
 POLL_PERIOD = 0.1
 """Longest time that a polled input waits, s."""
 PREPARATION = 'preparation'
@@ -290,6 +297,7 @@ async def answered(response: Any, action: Callable[[], str | Awaitable[str]]) ->
 
 def refuses(error: Exception) -> bool:
     """Return whether an error is a refusal of user input, by this package or by rclpy."""
-    # For an unknown reliability rclpy raises a plain RuntimeError.
-    refusals = BearingTwinError, ParameterException, InvalidQosOverridesError
-    return isinstance(error, refusals) or str(error).startswith('Unexpected QoS override')
+    refusals = (
+        BearingTwinError, ParameterException, InvalidQosOverridesError, NameValidationException
+    )  # fmt: skip
+    return isinstance(error, refusals) or any(text in str(error) for text in REFUSALS)

@@ -272,6 +272,23 @@ def test_what_rclpy_refuses_is_one_sentence(ros_domain, given, said):
 
 
 @pytest.mark.ros
+@pytest.mark.parametrize(
+    ('rules', 'said'),
+    [
+        (['__node:=' + 300 * 'n'], "node name length should not exceed '255'"),
+        (['__ns:=/' + 225 * 'n'], "topic length should not exceed '255"),
+        (['samples:=v', 'vibration:=v'], 'existing topic name rt/v with incompatible type'),
+    ],
+)
+def test_names_that_ros_does_not_take_are_refused(ros_domain, rules, said):
+    words = ['run', 'adapter', '--ros-args', '-p', 'sample_rate:=25600.0']
+    ran = run_command(*words, *(word for rule in rules for word in ('-r', rule)))
+    assert ran.returncode == 2
+    assert said in ran.stderr
+    assert 'Traceback' not in ran.stderr
+
+
+@pytest.mark.ros
 def test_a_dump_of_the_parameters_can_be_given_again(ros_domain, tmp_path):
     dump = tmp_path / 'dump.yaml'
     # As ros2 param dump writes it: ROS reads this axis as true.
