@@ -20,6 +20,7 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rclpy.logging import get_logger
 from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -265,11 +266,14 @@ class ManagedNode(LifecycleNode):
         try:
             step()
         except Exception as error:
+            # After a shutdown rclpy cannot publish what the logger of the node says.
+            name = f'bearing_twin.{self.get_name()}'
+            logger = self.get_logger() if self.context.ok() else get_logger(name)
             if refuses(error):
                 # The refusals of rclpy are of QoS overrides.
                 own = isinstance(error, BearingTwinError)
                 self.refused = not own or isinstance(error, UsageError)
-                self.get_logger().error(shown(error, keep='\n'))
+                logger.error(shown(error, keep='\n'))
                 return TransitionCallbackReturn.FAILURE
             if not self.context.ok():
                 # An interrupt can occur anywhere, also in the compiler: not a programming error.
