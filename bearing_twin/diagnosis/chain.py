@@ -27,6 +27,7 @@ from bearing_twin.diagnosis.signal.demodulation import (
     highest_fault_order,
     SECONDS,
 )
+from bearing_twin.diagnosis.signal.drift import without_drift
 from bearing_twin.diagnosis.signal.gate import check_record, Extent, FAINTEST, LARGEST
 from bearing_twin.diagnosis.signal.severity import (
     Levels,
@@ -272,7 +273,7 @@ class Excerpt:
             return None
         if not np.abs(x).max() <= LARGEST or not np.ptp(x) > FAINTEST:
             return None
-        spectrum = fft.rfft(x - x.mean()) / len(x)
+        spectrum = fft.rfft(without_drift(x)) / len(x)
         found = measure_severity(
             Levels.of(x, spectrum, self.sample_rate), unit=self.unit or settings.unit,
             power_group=settings.power_group, mounting=settings.mounting,

@@ -28,6 +28,7 @@ from bearing_twin.diagnosis.series.newest import EARLIER, judged_counts, lasting
 from bearing_twin.diagnosis.series.result import SeriesPoint, SeriesReport
 from bearing_twin.diagnosis.series.state import SeriesMemory
 from bearing_twin.diagnosis.settings import DiagnosisSettings
+from bearing_twin.diagnosis.signal.drift import without_drift
 from bearing_twin.diagnosis.signal.gate import FAINTEST, LARGEST
 from bearing_twin.diagnosis.signal.impact_height import impact_height, lowest_hz
 from bearing_twin.diagnosis.signal.severity import (
@@ -194,7 +195,7 @@ class SeriesMonitor:
             self._not_compared(time, f'another speed than the {hertz:.4g} Hz of the baseline')
             return None
         height = impact_height(signal, sample_rate, shaft_hz)
-        signal = signal - signal.mean()
+        signal = without_drift(signal)
         severity = measure_severity(
             Levels.of(signal, fft.rfft(signal) / len(signal), sample_rate), unit=unit,
             power_group=self._settings.power_group, mounting=self._settings.mounting,

@@ -16,6 +16,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
 from bearing_twin.diagnosis.signal.bands import band_tree, BandTree, squared_envelopes
+from bearing_twin.diagnosis.signal.drift import without_drift
 from bearing_twin.diagnosis.signal.gate import DAMPING, HIGHEST_RINGING_HZ, SHAFT_TURNS
 from bearing_twin.diagnosis.signal.impulsive_outliers import limit_impulsive_outliers
 from bearing_twin.diagnosis.signal.severity import Levels, moments
@@ -238,7 +239,7 @@ def demodulate(x: NDArray[np.float64], layout: Layout) -> Segment:
     """
     lap, length, step = layout.lap, layout.hop + layout.lap, layout.step
     fade = _fade(lap)
-    plain = x - x.mean()
+    plain = without_drift(x)
     spectrum = _spectrum(plain, fade, length)
     power = line_powers(spectrum)
     taper_sum, taper_power = len(x) - 2.0 * lap + 2.0 * fade.sum(), len(x) - lap
