@@ -67,6 +67,19 @@ def test_a_loose_shaft_beside_the_given_speed_is_no_fault(rng, name, off):
     assert said.shaft_hz == pytest.approx(SHAFT_HZ, rel=5e-4)
 
 
+@pytest.mark.parametrize('name', ['6312', '6203'])
+@pytest.mark.parametrize('height', [0.85, 1.0])
+def test_a_weak_outer_race_at_three_turns_of_a_nameplate_speed_is_no_health(rng, name, height):
+    """Its lines are taken for those of the shaft, at a speed that is one per cent off."""
+    bearing = find_bearing(name)
+    outer_hz = fault_orders(bearing, 0.01).bpfo * SHAFT_HZ
+    gaps = (1.0 + 0.003 * rng.standard_normal(1000)) / outer_hz
+    x = _strikes(np.cumsum(gaps), height) + rng.standard_normal(N)
+    said = diagnose_record(x, RATE, bearing, outer_hz / 3.0)
+    assert (said.rule, said.level) == ('masked_faintly', 'none'), said.reasons
+    assert 'outer order and shaft order 3 coincide' in said.reasons[-1]
+
+
 @pytest.mark.parametrize(('shaft_hz', 'off'), [(25.0, -0.003), (20.0, -0.004)])
 @pytest.mark.parametrize('seed', range(4))
 def test_a_loose_shaft_farther_from_the_given_speed_is_no_fault(seed, shaft_hz, off):

@@ -19,7 +19,7 @@ from bearing_twin.diagnosis.signal.spectra import WHITENINGS
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
     HARMONICS,
-    INDEX_FAULT,
+    INDEX_SUSPECT,
     SLIP,
     SLIP_COST,
     Z_ELSEWHERE,
@@ -146,7 +146,7 @@ class CombSearch:
 
     def masked_candidate(self, place: str) -> Candidate | None:
         """
-        Return a significant, strong comb of a place on harmonics of the shaft; None without one.
+        Return a significant comb of a place on harmonics of the shaft; None without one.
 
         All slips of the place are searched: slip can move its order to a whole number. Smooth
         combs are excluded: impacts have all harmonics; blades, vanes and lobes pulse smoothly.
@@ -158,7 +158,7 @@ class CombSearch:
         if not len(whole) or self._scores.score(self._whole, whole).max() < Z_FAULT:
             return None
         found = self.best(place, self._whole)
-        shown = found.z >= Z_FAULT and found.index >= INDEX_FAULT and self._is_whole(found.order)
+        shown = found.z >= Z_FAULT and found.index >= INDEX_SUSPECT and self._is_whole(found.order)
         return found if shown and not self.harmonics.smooth(found, masked=True) else None
 
     def _is_whole(self, orders: Any) -> Any:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.rules.fits import what_fits
 from bearing_twin.diagnosis.rules.rule import EVEN, rule
-from bearing_twin.diagnosis.rules.verdict import say, unless_shaft
+from bearing_twin.diagnosis.rules.verdict import no_statement, say, unless_shaft
 from bearing_twin.diagnosis.thresholds import (
     CARRIER,
     IMPACTS,
@@ -48,6 +48,25 @@ def masked_candidate(e: Evidence) -> Verdict | None:
     combs = {c.place: c for c in e.masked_candidates}
     found = e.candidates | combs
     return say(e, str(first), text, faults=tuple(combs), candidates=found)
+
+
+@rule(
+    'insufficient',
+    'Lines on a multiple of the shaft may hide a fault that modulates little.',
+    faint=True,
+    nothing_shows=True,
+    tells=_STRIKES_WITH_THE_SHAFT,
+)
+def masked_faintly(e: Evidence) -> Verdict | None:
+    if not e.masked_combs:
+        return None
+    comb = max(e.masked_combs, key=lambda c: c.z)
+    text = (
+        f'not known: {comb.place} order and shaft order {round(comb.order)} coincide within the '
+        'resolution of this window, and the lines there may be a fault too weak for an alarm; a '
+        'longer window or an exact speed may part them'
+    )
+    return no_statement(e, str(comb), text)
 
 
 @rule(

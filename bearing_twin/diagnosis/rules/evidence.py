@@ -408,11 +408,16 @@ class Evidence:
         The highest one is first. Clearly lower ones are left out: multiples of the shaft have
         common multiples, so they share lines of the highest.
         """
-        found = filter(None, map(self._combs.masked_candidate, PLACES[:3]))
+        found = (c for c in self.masked_combs if c.index >= INDEX_FAULT)
         highest, *others = sorted(found, key=lambda c: -c.z) or (None,)
         if highest is None:
             return ()
         return (highest, *(c for c in others if c.z * RIVAL > highest.z))
+
+    @_measured(undisturbed=())
+    def masked_combs(self) -> tuple[Candidate, ...]:
+        """Combs as `masked_candidates`, also those that modulate too little for an alarm."""
+        return tuple(filter(None, map(self._combs.masked_candidate, PLACES[:3])))
 
     @cached_property
     def leading(self) -> Candidate:

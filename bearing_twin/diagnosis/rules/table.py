@@ -60,6 +60,7 @@ RULES: tuple[Rule, ...] = (
         no_comb.few_shaft_turns,
         no_comb.run_together,
         no_comb.low_lines,
+        elsewhere.masked_faintly,
         no_comb.faint_comb,
         no_comb.no_comb,
     ),

@@ -97,16 +97,16 @@ def say(
     )
 
 
-def no_statement(e: Evidence, text: str) -> Verdict:
+def no_statement(e: Evidence, *texts: str) -> Verdict:
     """
-    Return a verdict without a statement: the reasons are the faint combs and ``text``.
+    Return a verdict without a statement: the reasons are the faint combs and ``texts``.
 
     >>> from bearing_twin.diagnosis.rules.evidence import Evidence
     >>> no_statement(Evidence.of(), 'few turns').level
     'none'
 
     """
-    return say(e, *map(str, e.faint), text, level='none')
+    return say(e, *map(str, e.faint), *texts, level='none')
 
 
 def unless_shaft(e: Evidence, comb: Candidate) -> str:

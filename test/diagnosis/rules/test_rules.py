@@ -130,6 +130,12 @@ CASES = {
     # The inner race of a 6205 strikes 5.4 times a turn of 1/25 s.
     'run_together': (Evidence.of(sample_rate=2400.0), 'insufficient', 'none', ()),
     'low_lines': (Evidence.of(low_lines=0.5), 'insufficient', 'none', ()),
+    'masked_faintly': (
+        Evidence.of(masked_combs=(comb('outer', order=3.001, z=15.0, index=0.5),)),
+        'insufficient',
+        'none',
+        (),
+    ),
     'faint_comb': (Evidence.of(comb('inner', z=12.0, index=0.17)), 'healthy', 'ok', ()),
     'no_comb': (Evidence.of(turns=50.0), 'healthy', 'ok', ()),
     'same_lines': (
