@@ -22,6 +22,7 @@ from bearing_twin.diagnosis.thresholds import (
     MAINS_HZ,
     RIVAL,
     STEADY,
+    SWAY,
     UNLIKELY_SLIP,
 )
 from bearing_twin.numerics.compiled import compiled, FAST
@@ -112,7 +113,8 @@ class CombHarmonics:
         # Six harmonics of the shaft give its speed within a sixth of a bin of the first.
         found = whole.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
         measured = speed.tolerance <= STEADY
-        self._spread = 0.0 if measured else speed.spread
+        self._measured = measured
+        self._spread = speed.tolerance if measured else speed.spread
         self._precision = 0.0 if measured else min(speed.uncertainty, found)
         self._columns: dict[float, NDArray[np.intp]] = {}
         self._multiples: dict[float, int] = {}
@@ -238,31 +240,52 @@ class CombHarmonics:
         Return the strikes a turn with which a part of the shaft would make a comb; 0 if none can.
 
         It can if the order is a whole number within the uncertainty of a speed that neither a
-        measurement nor the lines of the shaft give, or if the comb smears over a whole number. A
-        comb with the sidebands of a load zone is an inner race, unless they are as high as its
-        harmonics and fit the shaft as well.
+        measurement nor the lines of the shaft give, if the comb smears over a whole number, or if
+        it is one of `unequal_strikes`. A comb with the sidebands of a load zone is otherwise an
+        inner race, unless they are as high as its harmonics and fit the shaft as well.
         """
         order, turns = candidate.order, round(candidate.order)
         inner = candidate.place == 'inner'
         high_sidebands = self._sidebands.has_high_shaft_sidebands(candidate)
-        if inner and self._sidebands.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE:
-            if not self._spread or not high_sidebands:
-                return 0
-            columns = np.array([candidate.band])
-            return turns if spaced_by_shaft(self._whole, order, columns, self._tolerance) else 0
         strikes = high_sidebands and not inner
         if not turns or (candidate.place == 'ball' and not strikes):
             return 0
         # Strikes once a turn have equally high lines, which look sharp if the speed moves a
         # little.
         told = self._spread <= (0.0 if strikes else _SHARP * self._whole.step)
+        if self.unequal_strikes(candidate) or (told and self.smears_over_whole(candidate)):
+            return turns
+        if inner and self._sidebands.turning_sideband(candidate)[1] * RIVAL >= LOAD_ZONE:
+            fits = high_sidebands and not self._measured and self._spaced_by_shaft(candidate)
+            return turns if fits else 0
+        if told:
+            return 0
         spread = self._spread if math.isfinite(self._spread) else 0.0
         uncertainty = self._expected.uncertainty
         slack = max(spread, uncertainty) if strikes else spread or uncertainty
-        if told:
-            return turns if self.smears_over_whole(candidate) else 0
         near = abs(order - turns) <= slack * order
         return turns if near or self._reaches(order, turns) else 0
+
+    def unequal_strikes(self, candidate: Candidate) -> bool:
+        """
+        Return whether the comb of an inner race is as near to a whole order as its speed tells.
+
+        It must have lines at the other multiples of the shaft, as strikes of unequal height have,
+        such as those of the edges of a milling cutter. The sidebands of an inner race are a turn
+        apart, which fits a multiple of the shaft at one slip only.
+        """
+        order = candidate.order
+        return (
+            candidate.place == 'inner'
+            and self._spread <= _SHARP * self._whole.step
+            and abs(order - round(order)) <= self._spread * order
+            and self._sidebands.turning_sideband(candidate)[1] >= SWAY
+            and self._spaced_by_shaft(candidate)
+        )
+
+    def _spaced_by_shaft(self, candidate: Candidate) -> bool:
+        columns = np.array([candidate.band])
+        return spaced_by_shaft(self._whole, candidate.order, columns, self._tolerance)
 
     def smears_over_whole(self, candidate: Candidate) -> bool:
         """

@@ -562,10 +562,12 @@ class Evidence:
         Places whose comb strikes of the shaft explain at least as well.
 
         Its shaft sidebands are as high, as of strikes once a turn, or it smears over a whole
-        order, as of several strikes a turn.
+        order, as of several strikes a turn, or lies as near to it with lines at all multiples of
+        the shaft, as of several that are not equal.
         """
         high, smears = self._sidebands.has_high_shaft_sidebands, self._harmonics.smears_over_whole
-        found = (c for c in self._races_and_balls if high(c) or smears(c))
+        unequal = self._harmonics.unequal_strikes
+        found = (c for c in self._races_and_balls if high(c) or smears(c) or unequal(c))
         return frozenset(c.place for c in found if self._harmonics.whole_turns(c))
 
     smooth = _of_leading('_harmonics', CombHarmonics.smooth, undisturbed=False)
