@@ -192,7 +192,7 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
     if not diagnosis.iso_zone:
         why = ': needs machine group, mounting and speed'
         if not math.isfinite(acceleration_factor(diagnosis.unit)):
-            why = ': needs the unit of an acceleration'
+            why = ': needs a unit of acceleration, g or m/s^2'
         elif not math.isfinite(diagnosis.velocity_rms):
             why = ': needs at least 1 s'
         elif diagnosis.shaft_hz < SLOW_HZ:
