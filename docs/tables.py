@@ -106,7 +106,8 @@ machine is a device (OPC 10000-100) with one condition, whose type and severity 
 from the level; the code is its condition name. The next step of a place whose level is fault
 follows from the stage; *ambiguous* of stage 1 or 2, which combs raised, has that step and its own.
 Where something sound explains the lines as well, the step is what tells
-([rules](diagnosis.md#confidence)).
+([rules](diagnosis.md#confidence)). Where the level of a *suspect* has risen or is in zone C, the
+step is to find the cause of the vibration.
 Mapped here, not shipped: there is no OPC UA server in this package.
 """
 

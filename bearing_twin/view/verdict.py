@@ -23,6 +23,11 @@ from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_NONE, LEVEL_OK, LEV
 from bearing_twin.stamps import stamp_ns, time_unit
 from bearing_twin.view.trends import recorded
 
+LOUDER = (
+    'find the cause of the high vibration: balance, alignment, looseness, lubrication, bearing; '
+    'measure more often'
+)
+"""Next step where the level has risen, or is in zone C, and the answer is *suspect*."""
 SUSTAINED = 3
 """Number of consecutive windows after which a verdict is sustained."""
 RANKS: dict[float, int] = {LEVEL_NONE: 0, LEVEL_OK: 1, LEVEL_SUSPECT: 2, LEVEL_FAULT: 3}
@@ -98,7 +103,7 @@ def next_step(diagnosis: Any) -> str:
         _stage(diagnosis),
         urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms'), _stage(diagnosis)),
         standing=shaft_speed(diagnosis) == 'standing',
-        tells='' if by_level else TELLS.get(rule, ''),
+        tells=(LOUDER if result == 'suspect' else '') if by_level else TELLS.get(rule, ''),
     )
     return f'{step[0].upper()}{step[1:]}.'
 

@@ -19,6 +19,7 @@ from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, refused, shown, UsageError
 from bearing_twin.quantity import quantities
 from bearing_twin.recording.signals.snapshots import read_snapshots, series_files
+from bearing_twin.view.verdict import LOUDER
 
 if TYPE_CHECKING:
     import argparse
@@ -156,11 +157,12 @@ def _looked_for(bearing: Bearing | None, speeds: list[float]) -> list[tuple[str,
 def _to_do(report: SeriesReport) -> str:
     """Return the next step."""
     alarm = report.level == 'fault'
+    risen = report.level == 'suspect' and math.isfinite(report.change)
     step = next_step(
         report.result,
         int(alarm),
         urgent=alarm and not report.place and not report.doubt,
-        tells=TELLS.get(report.doubt, ''),
+        tells=LOUDER if risen else TELLS.get(report.doubt, ''),
     )
     return step[0].upper() + step[1:]
 

@@ -10,6 +10,7 @@ from bearing_twin.diagnosis.machine.level import SUSPECT_DB
 from bearing_twin.diagnosis.rules.table import TELLS
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.snapshots import read_snapshots
+from bearing_twin.view.verdict import LOUDER
 from cases import in_proofs
 from commands import json_lines
 from coupling import coupling_snapshot, GIVEN_HZ
@@ -134,6 +135,18 @@ def test_files_in_any_order_with_one_that_cannot_be_read(tmp_path, capsys):
     assert 's17.npz' in text.err
     assert main([*args, '--channel', 'nothing']) == 1
     assert "no channel 'nothing'" in capsys.readouterr().err
+
+
+def test_page_of_a_risen_level_asks_for_its_cause(tmp_path, capsys):
+    rng = np.random.default_rng(4)
+    for number in range(40):
+        x = (1.0 if number < 25 else 2.4) * rng.standard_normal(COUNT)
+        np.savez(tmp_path / f's{number}.npz', x=x, fs=RATE, rpm=1800.0)
+    args = ['diagnose', '--series', str(tmp_path), '--bearing', '6205', '--baseline', '10']
+    assert main([*args, '--cycle', '600']) == 0
+    page = ' '.join(capsys.readouterr().out.split())
+    assert 'level suspect' in page
+    assert page.endswith(f'next step {LOUDER[0].upper()}{LOUDER[1:]}')
 
 
 def test_page_of_ambiguous_snapshots_says_what_tells(tmp_path, capsys):
