@@ -309,9 +309,10 @@ def _moving(
         if alarm and not weaker:
             text = (
                 f'only one part of about {turns / count:.0f} turns is an alarm, and the speed '
-                'seems to move within the record: repeat it, and give the speed of each sample'
+                'seems to move within the record, so that its place is not sure: repeat it, and '
+                'give the speed of each sample'
             )
-            alarm = unrated(alarm, level='suspect')
+            alarm = unrated(alarm, result='suspect', level='suspect')
             weaker = _of_part(whole, alarm, text)
     return None if alarms_only else weaker
 

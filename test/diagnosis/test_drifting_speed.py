@@ -169,3 +169,12 @@ def test_edges_of_a_cutter_are_no_inner_race_at_a_speed_that_is_measured_within_
             named.append((seed, off, said.reasons))
     # Edges of nearly equal height have no lines that tell.
     assert len(named) <= 3, named
+
+
+def test_one_part_of_a_record_whose_speed_moves_far_names_no_place():
+    """At a speed 11 % lower the order of an inner race is that of a ball."""
+    for seed in range(2):
+        x, rate = _drifting('inner', 0.3, seed)
+        said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
+        assert (said.result, said.level) == ('suspect', 'suspect'), said.reasons
+        assert 'place is not sure' in said.reasons[-1]
