@@ -267,8 +267,9 @@ class ManagedNode(LifecycleNode):
             step()
         except Exception as error:
             # After a shutdown rclpy cannot publish what the logger of the node says.
-            name = f'bearing_twin.{self.get_name()}'
-            logger = self.get_logger() if self.context.ok() else get_logger(name)
+            logger = self.get_logger()
+            if not self.context.ok():
+                logger = get_logger(f'bearing_twin.{logger.name}')
             if refuses(error):
                 # The refusals of rclpy are of QoS overrides.
                 own = isinstance(error, BearingTwinError)
