@@ -15,7 +15,7 @@ SPAN = NANO
 """Duration of one measurement of the rate, ns; a message that is 10 ms late shifts it by 1 %."""
 
 SPANS = 15
-"""Measurements in the median: a pause or a stall spoils one of them, not the median."""
+"""Most measurements in the median: a pause or a stall spoils one of them, not the median."""
 
 FEWEST = 3
 """Least number of measurements for a rate."""
@@ -80,7 +80,16 @@ class RateMeter:
             self._rates.append((index - self._anchor[0]) * NANO / elapsed)
             self._anchor = (index, stamp)
             if len(self._rates) >= FEWEST:
+                self._forget_former_rate()
                 self.rate = median(self._rates)
+
+    def _forget_former_rate(self) -> None:
+        """Keep only the latest measurements if these agree on another rate than the median."""
+        latest = list(self._rates)[-FEWEST:]
+        agree = max(latest) <= (1.0 + WARNED) * min(latest)
+        if agree and abs(median(latest) / median(self._rates) - 1.0) > REFUSED:
+            self._rates.clear()
+            self._rates.extend(latest)
 
     def problem(self, declared: float) -> RateProblem | None:
         """

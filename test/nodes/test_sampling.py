@@ -140,6 +140,20 @@ def test_a_rate_that_is_declared_wrong_is_told_with_the_one_that_fits():
     assert said == pytest.approx(12000, rel=0.01)
 
 
+def test_a_source_that_changes_its_rate_is_told_the_new_one_and_none_between():
+    meter, said = RateMeter(), set()
+    for second in range(40):
+        # A pause of half a second is no other rate.
+        index = 2000 * second - (1000 if 10 <= second < 20 else 0)
+        index = index if second < 20 else 40_000 + 4000 * (second - 20)
+        meter.take(index, second * NANO)
+        if problem := meter.problem(2000.0):
+            said.add(problem.text)
+    assert said == {
+        '4000 samples a second arrive, sample_rate says 2000 (+100.0 %): set sample_rate to 4000'
+    }
+
+
 @pytest.mark.parametrize(('rate', 'warned'), [(25600.0, False), (25200.0, False), (24900.0, True)])
 @pytest.mark.parametrize('seed', range(5))
 def test_late_stamps_and_pauses_are_no_wrong_rate(rate, warned, seed):
