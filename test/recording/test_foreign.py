@@ -387,6 +387,18 @@ def npy(shape: str, payload: bytes = b'') -> bytes:
     return b'\x93NUMPY\x01\x00' + len(head).to_bytes(2, 'little') + head.encode() + payload
 
 
+def test_the_error_of_a_damaged_npz_is_short(tmp_path: Path) -> None:
+    path = tmp_path / 'a.npz'
+    np.savez(path, x=X, fs=1000.0)
+    content = bytearray(path.read_bytes())
+    # The length of the first name, in its local header.
+    content[26:28] = b'\xff\xff'
+    path.write_bytes(content)
+    with pytest.raises(BearingTwinError, match='File name in directory') as said:
+        read_signal(path)
+    assert len(str(said.value)) < 500
+
+
 @pytest.mark.parametrize('shape', ['(100000000000,)', '(1000000, 1000000)', '(-5,)', '(2**70,)'])
 def test_npz_that_claims_more_than_it_has(tmp_path: Path, shape: str) -> None:
     path = tmp_path / 'a.npz'

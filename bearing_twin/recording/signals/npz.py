@@ -57,7 +57,8 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
         raise BearingTwinError(f'{path} cannot be read: {error.strerror or error}') from None
     except Exception as error:
         # zipfile, NumPy and its tokenizer raise exceptions of many types if bytes are damaged.
-        msg = f'{path} cannot be read as .npz ({type(error).__name__}: {error})'
+        # Some of them hold the bytes.
+        msg = f'{path} cannot be read as .npz ({type(error).__name__}: {error!s:.200})'
         raise BearingTwinError(f'{msg}; is it complete, and made by numpy.savez?') from None
     return arrays
 
