@@ -86,6 +86,20 @@ def test_parquet_form_of_bearing_datasets(parquet_set, capsys):
     assert 'cannot be read as Parquet' in capsys.readouterr().err
 
 
+def test_a_damaged_text_of_a_parquet_set_is_refused(parquet_set, tmp_path, capsys):
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    table = parquet.read_table(parquet_set / 'metadata.parquet')
+    texts = pa.StringArray.from_buffers(
+        3, pa.py_buffer(np.array([0, 1, 2, 3], np.int32)), pa.py_buffer(b'g\xffV')
+    )
+    changed = table.set_column(table.column_names.index('unit'), 'unit', texts)
+    parquet.write_table(changed, tmp_path / 'metadata.parquet')
+    assert main(['diagnose', str(tmp_path)]) == 1
+    assert 'metadata.parquet cannot be read as Parquet' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ('column', 'values', 'why'),
     [

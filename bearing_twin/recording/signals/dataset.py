@@ -78,7 +78,11 @@ def _signals(path: Path, _changed_ns: int) -> list[DatasetSignal]:
         for name, field in zip(names, table.schema, strict=True)
         if str(getattr(field.type, 'unit', '')) != 'ns'
     ]
-    rows: list[DatasetSignal] = table.rename_columns(names).select(plain).to_pylist()
+    try:
+        rows: list[DatasetSignal] = table.rename_columns(names).select(plain).to_pylist()
+    except ValueError as error:
+        # Of damaged texts that are no UTF-8, among others.
+        raise BearingTwinError(f'{path / TABLE} cannot be read as Parquet ({error})') from None
     signals = [row for row in rows if str(row.get('quantity', 'unknown')) in VIBRATION]
     if len({str(row['signal_id']) for row in signals}) < len(signals):
         msg = f'{path / TABLE} has one signal_id twice; each signal needs its own'
