@@ -126,7 +126,7 @@ def read_csv(path: Path) -> dict[str, Any]:
                 scale *= next((unit for least, unit in SINCE_1970 if column[0] >= least), 1.0)
             step = scale * _mean_step(column)
             if step > 0.0 and is_even(column):
-                found.setdefault('fs', np.array(1.0 / step))
+                found.setdefault('fs', np.array(_nominal(1.0 / step)))
             elif scale > 0.0 and not step <= 0.0:
                 found['no_rate'] = np.array(_gap(name, scale * np.diff(column)))
         else:
@@ -193,6 +193,18 @@ def _has_decimal_commas(path: Path, head: list[str], start: int) -> bool:
             'semicolons or decimal points'
         )
     return True
+
+
+def _nominal(rate: float) -> float:
+    """
+    Return the whole rate within a millionth, Hz, or else the rate: printed times are rounded.
+
+    >>> _nominal(11999.9992), _nominal(48828.125)
+    (12000.0, 48828.125)
+
+    """
+    whole = float(np.rint(rate))
+    return whole if abs(rate - whole) < 1e-6 * rate else rate
 
 
 def _gap(name: str, steps: NDArray[Any]) -> str:
