@@ -196,6 +196,13 @@ def test_channel_by_any_unambiguous_name(tmp_path, capsys):
     assert "no channel 'BA'; it has DE_time, FE_time" in capsys.readouterr().err
     assert main([*args, '--channels']) == 0
     assert capsys.readouterr().out.split() == [f'{path}:', 'DE_time', 'FE_time']
+    # A file that cannot be read keeps no other from being listed.
+    assert main(['diagnose', 'missing.wav', *args[1:], '--channels', '--json']) == 1
+    said = capsys.readouterr()
+    assert (json.loads(said.out), said.err) == (
+        {str(path): ['DE_time', 'FE_time']},
+        'bearing-twin diagnose: missing.wav does not exist\n',
+    )
 
 
 def test_shaft_and_sample_rate_of_an_mfpt_file(tmp_path):

@@ -22,7 +22,7 @@ from bearing_twin.cli.signal_arguments import (
 )
 from bearing_twin.cli.terminal import clear_progress, progress, shown_inside
 from bearing_twin.diagnosis.settings import DiagnosisSettings
-from bearing_twin.errors import refused, shown
+from bearing_twin.errors import BearingTwinError, refused, shown
 
 if TYPE_CHECKING:
     import argparse
@@ -127,13 +127,19 @@ def run(args: argparse.Namespace) -> int:
 def _list_channels(args: argparse.Namespace) -> int:
     from bearing_twin.recording.signals.foreign import channels
 
-    listed = {name: channels(Path(name)) for name in args.files}
+    listed: dict[str, list[str]] = {}
+    for name in args.files:
+        try:
+            listed[name] = channels(Path(name))
+        except BearingTwinError as error:
+            print(f'bearing-twin diagnose: {shown(error)}', file=sys.stderr, flush=True)
+            continue
+        if not args.json:
+            names = map(shown, listed[name] or ['(none)'])
+            print(f'{shown(name)}:', *names, sep='\n    ', flush=True)
     if args.json:
         print(json.dumps(listed))
-        return 0
-    for name, names in listed.items():
-        print(f'{shown(name)}:', *map(shown, names or ['(none)']), sep='\n    ')
-    return 0
+    return 0 if listed.keys() == set(args.files) else 1
 
 
 def _tasks(args: argparse.Namespace) -> list[Task]:
