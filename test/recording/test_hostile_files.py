@@ -14,11 +14,12 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
+from bearing_twin.recording.signals.foreign import read_signal
 from bearing_twin.recording.writer import WriterOptions
 from cases import in_proofs
 from copies import raw_recording
 from forked import run_command
-from fuzzing import clean, fuzz, KINDS, mutate, SECONDS, seeds, until
+from fuzzing import at_most, clean, fuzz, KINDS, LONGEST, mutate, SECONDS, seeds, until
 from mcap.opcode import Opcode
 import pytest
 from recording_samples import write_blocks
@@ -46,6 +47,15 @@ def check(kind: str, count: int, seed: int, folder: Path, seconds: float = math.
 @pytest.mark.parametrize('kind', KINDS)
 def test_mutated_files(kind: str, tmp_path: Path) -> None:
     check(kind, 150, 1, tmp_path)
+
+
+@pytest.mark.parametrize('part', ['(', '[g', ' ', '1,', '12:', '1.1.', 'fs=', '"'])
+def test_a_long_line_before_a_table_is_looked_through_once(part: str, tmp_path: Path) -> None:
+    path = tmp_path / 'a.csv'
+    rows = '\n'.join(f'{k % 7};{k % 5}' for k in range(100))
+    path.write_text(part * (900_000 // len(part)) + '\n' + rows)
+    with at_most(LONGEST):
+        assert read_signal(path, sample_rate=1000.0).x.size == 100
 
 
 @pytest.mark.fuzz

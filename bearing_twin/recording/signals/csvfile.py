@@ -61,7 +61,7 @@ DIGITS = re.compile(r'(?<=\d),(?=\d)')
 DECIMAL = re.compile(r'([+-]?\d+,\d+\s+)*[+-]?\d+,\d+')
 PADDED = re.compile(r'(?=.*,0\d)[-+\d,]+')
 """Integers, one of them with a zero in front: the digits behind a decimal comma."""
-UNIT = re.compile(r'[\[(]([^\])]+)[\])]')
+UNIT = re.compile(r'[\[(]([^\])]{1,20})[\])]')
 
 
 # Infinite or huge times would warn.
