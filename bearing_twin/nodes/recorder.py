@@ -27,7 +27,6 @@ from bearing_twin.stamps import NANO
 from bearing_twin.streams.arrival import ArrivalTimes, MessageNumbers, MOST_HEARD
 from bearing_twin.wholefile import free_path
 from rclpy.clock import Clock, ClockType
-from rclpy.logging import get_logger
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
 DISCOVERY_PERIOD = 0.25
 READING_TIME = 0.05
 """Longest time per flush for reading parameters from checkpoints, s; the rest waits."""
-LOGGER = 'bearing_twin.recorder'
 MIB = 1024 * 1024
 ABOUT_NODES = ('diagnostic_msgs/', 'lifecycle_msgs/', 'rcl_interfaces/')
 """Types that nodes publish about themselves: at their start no subscriber can be there yet."""
@@ -117,7 +115,7 @@ class RecorderNode(ManagedNode):
         self._numbers.pause()
         if self._early:
             self._lost += len(self._early)
-            get_logger(LOGGER).error(
+            self.get_logger().error(
                 f'{len(self._early)} messages are lost: there was no time on /clock for them'
             )
             self._early.clear()
@@ -133,9 +131,8 @@ class RecorderNode(ManagedNode):
             # The error tells what is lost; what was written is not yet known to be on the disk.
             self.failed = True
             raise
-        # Not the logger of the node: its /rosout publisher may be gone.
         missing = self._lost_on_the_way
-        get_logger(LOGGER).info(
+        self.get_logger().info(
             f'{self._writer.path}: {self._writer.written} messages, '
             f'{self._writer.size / 1e6:.1f} MB, {self._writer.lost} lost'
             + (f', {missing} more on the way' if missing else '')

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Mapping
 
     from bearing_twin.assets.parameters.spec import Spec
+    from rclpy.impl.rcutils_logger import RcutilsLogger
     from rclpy.lifecycle import LifecycleState
     from rclpy.service import Service
     from rclpy.subscription import Subscription
@@ -64,7 +65,7 @@ class ManagedNode(LifecycleNode):
         self.active = False
         self.polled = PolledGroup(POLL_PERIOD)
         """Group of the subscriptions that can wait for the next block."""
-        self.states = NodeStates(self.get_logger().error)
+        self.states = NodeStates(lambda text: self.get_logger().error(text))
         """States kept over restarts; released at the end."""
         self._managed = False
         self.failed = False
@@ -80,6 +81,11 @@ class ManagedNode(LifecycleNode):
             apply=self._apply,
             locked=lambda: self.configured,
         )
+
+    def get_logger(self) -> RcutilsLogger:
+        """Return the logger; after a shutdown one whose texts rclpy does not try to publish."""
+        logger = super().get_logger()
+        return logger if self.context.ok() else get_logger(f'bearing_twin.{logger.name}')
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any
@@ -266,15 +272,11 @@ class ManagedNode(LifecycleNode):
         try:
             step()
         except Exception as error:
-            # After a shutdown rclpy cannot publish what the logger of the node says.
-            logger = self.get_logger()
-            if not self.context.ok():
-                logger = get_logger(f'bearing_twin.{logger.name}')
             if refuses(error):
                 # The refusals of rclpy are of QoS overrides.
                 own = isinstance(error, BearingTwinError)
                 self.refused = not own or isinstance(error, UsageError)
-                logger.error(shown(error, keep='\n'))
+                self.get_logger().error(shown(error, keep='\n'))
                 return TransitionCallbackReturn.FAILURE
             if not self.context.ok():
                 # An interrupt can occur anywhere, also in the compiler: not a programming error.

@@ -280,6 +280,20 @@ def test_full_disk_is_said_and_recording_goes_on(ros_domain: int, tmp_path: Path
     assert numbers(bag) == list(range(len(source.sent)))
 
 
+def test_what_fails_at_the_end_is_said_in_a_sentence(ros_domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / 'bag'
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(bag)})
+        source.wait_for_recorder()
+        source.publish_until(lambda: (bag / 'bag_0.mcap').stat().st_size > 100_000)
+        resource.prlimit(nodes.pid('recorder'), resource.RLIMIT_FSIZE, (100_000, 100_000))
+        # The last flush finds the disk full.
+        assert nodes.end('recorder') == 1
+    said = (tmp_path / 'logs' / 'recorder.log').read_text().splitlines()
+    assert f'{bag} could not be finished' in said[-1]
+    assert [line for line in said if not line.startswith('[')] == []
+
+
 SLOW_DISK = """
 import os, sys, time
 write = os.write
