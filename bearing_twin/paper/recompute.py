@@ -88,7 +88,7 @@ def write_results(folder: Path, study: Study) -> list[Claim]:
         [claim.to_dict() for claim in claims], indent=2, ensure_ascii=False, allow_nan=False
     )
     (folder / 'claims.json').write_text(data + '\n', 'utf-8')
-    for number, drawing in tqdm(FIGURES.items(), desc='figures', unit='', ncols=80):
+    for number, drawing in tqdm(FIGURES.items(), desc='figures', unit='', ncols=80, disable=None):
         save(drawing.draw(study), folder / figure_name(number))
     (folder / 'report.md').write_text(render_report(claims), 'utf-8')
     return claims

@@ -166,13 +166,19 @@ def _passing_hz(p: TwinParameters, temperature: float, shaft_hz: float) -> float
 
 def in_parallel(work: Callable[[S], R], items: Sequence[S], *, processes: int) -> list[R]:
     """
-    Return ``work(item)`` of all items, in order, from several processes, with a progress bar.
+    Return ``work(item)`` of all items, in order, from several processes; on a terminal with a bar.
 
     ``processes`` = 1 stays in this process. The others are started afresh, not forked, because
     this one may have threads (a progress bar, a ROS context).
     """
     bar = functools.partial(
-        tqdm, total=len(items), desc='simulations', unit='', mininterval=0.5, ncols=80
+        tqdm,
+        total=len(items),
+        desc='simulations',
+        unit='',
+        mininterval=0.5,
+        ncols=80,
+        disable=None,
     )
     if processes == 1:
         return list(bar(map(work, items)))
