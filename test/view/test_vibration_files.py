@@ -75,12 +75,13 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
     rrd = tmp_path / 'both.rrd'
     both = [str(folder / 'fan.npz'), str(tmp_path / 'fan.npz')]
     assert cli.main(['view', *both, '--save', str(rrd)]) == 0
-    ranges, sources, tops = set(), set(), {}
+    ranges, sources, tops, ends = set(), set(), {}, {}
     store = reader(rrd)
     for chunk in store.stream():
         path, batch = str(chunk.entity_path), chunk.to_record_batch()
         if path.endswith('whole/scale'):
             tops[path] = batch.column('BarChart:values').to_pylist()[0]
+            ends[path] = batch.column('BarChart:abscissa').to_pylist()[-1][0]['buffer'][0]
         if path.startswith('/__properties/vibration'):
             named = [name for name in batch.schema.names if 'source' in name]
             sources |= {batch.column(name).to_pylist()[0][0] for name in named}
@@ -92,6 +93,8 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
     assert sources == {'measured'}
     one, other = tops.values()
     assert one == other
+    # The band is narrower than 1000 Hz, but the viewer numbers the axis there and not before.
+    assert list(ends.values()) == [pytest.approx(1000.0, rel=0.01)] * 2
     peak = float(np.abs(np.load(folder / 'fan.npz')['x']).max())
     # The scale grows with what is drawn.
     low, high = max(ranges, key=max)

@@ -91,23 +91,23 @@ class SpectrumBars(Picture):
             return
         self.kind = 'envelope_spectrum'
         whole, near = picture.deciding(), picture.zoom()
-        whole = picture.cut(0.0, numbered_end(whole.end, NARROW if self.asset.narrow else WIDE))
+        stop = numbered_end(whole.end, NARROW if self.asset.narrow else WIDE)
+        whole = picture.cut(0.0, stop)
         # The axis always includes the limit of a fault, so that a healthy spectrum stays low.
         # It grows in steps, so that the marks keep their length.
         top = max(float(whole.values.max()), self.asset.scales.index, INDEX_FAULT)
         top = STEP * math.ceil(top / STEP)
         self._part('whole', time, whole, top)
         width = MARK_WIDTH * whole.end
-        if self._changed('whole/limit', time, np.array([whole.end]), top, width):
+        # A spectrum of a narrow band may end before the second number of the axis.
+        if self._changed('whole/limit', time, np.array([stop]), top, width):
             # A bar begins at its abscissa: these dark bars are as wide as the axis, and their
             # upper edges are the limits.
             for name, limit in LIMITS.items():
                 red, green, blue = LINE[name]
                 ground = red // 7, green // 7, blue // 7
-                self._bars(
-                    f'whole/{name}', time, np.zeros(1), np.array([limit]), whole.end, ground
-                )
-            end = np.array([whole.end + width])
+                self._bars(f'whole/{name}', time, np.zeros(1), np.array([limit]), stop, ground)
+            end = np.array([stop + width])
             self._hold('whole/scale', time, end, labelled_power(top, HIGH) or top, width)
         if near is not None:
             self._part('near', time, near, top)
