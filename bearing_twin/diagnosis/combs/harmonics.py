@@ -114,7 +114,7 @@ class CombHarmonics:
         found = whole.step / 6.0 if speed.score >= SHAFT_FOUND else math.inf
         measured = speed.tolerance <= STEADY
         self._measured = measured
-        self._spread = speed.tolerance if measured else speed.spread
+        self._spread = 0.0 if measured else speed.spread
         self._precision = 0.0 if measured else min(speed.uncertainty, found)
         self._columns: dict[float, NDArray[np.intp]] = {}
         self._multiples: dict[float, int] = {}
@@ -274,14 +274,19 @@ class CombHarmonics:
         such as those of the edges of a milling cutter. The sidebands of an inner race are a turn
         apart, which fits a multiple of the shaft at one slip only.
         """
-        order = candidate.order
+        order, off = candidate.order, self._off(candidate)
         return (
             candidate.place == 'inner'
-            and self._spread <= _SHARP * self._whole.step
-            and abs(order - round(order)) <= self._spread * order
+            and off <= _SHARP * self._whole.step
+            and abs(order - round(order)) <= off * order
             and self._sidebands.turning_sideband(candidate)[1] >= SWAY
             and self._spaced_by_shaft(candidate)
         )
+
+    def _off(self, candidate: Candidate) -> float:
+        """Return how far the speed may be off where it is known; outer races are not asked."""
+        inner = candidate.place == 'inner'
+        return self._tolerance if self._measured and inner else self._spread
 
     def _spaced_by_shaft(self, candidate: Candidate) -> bool:
         columns = np.array([candidate.band])
@@ -302,7 +307,7 @@ class CombHarmonics:
             known = turns and parted and math.isfinite(self._spread)
             self._smears[order] = bool(known and self._reaches(order, turns)) and (
                 # A speed that is not measured is as uncertain as its lines are wide.
-                abs(order - turns) <= self._spread * order
+                abs(order - turns) <= self._off(candidate) * order
                 or self._height_beyond_whole(order) >= _BEYOND
             )
         return self._smears[order]
