@@ -173,7 +173,7 @@ class Health:
     def _rivals(self) -> str:
         """Return which other nodes publish on topics of this one; '' if there are none."""
         since = time.monotonic() - RIVAL_AFTER
-        topics = sorted(topic for topic, began in self._shared.items() if began <= since)
+        topics = [topic for topic, began in self._shared.items() if began <= since]
         if not topics:
             return ''
         infos = self._node.get_publishers_info_by_topic(topics[0])
