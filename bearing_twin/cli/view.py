@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from bearing_twin.cli.arguments import refuse_given
-from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
+from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings, SIGNAL_OPTIONS
 from bearing_twin.cli.terminal import percent
 from bearing_twin.errors import BearingTwinError, shown, UsageError
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
@@ -79,6 +79,9 @@ def run(args: argparse.Namespace) -> int:
     if args.live and args.save:
         msg = '--save keeps recordings only; a recorder keeps what is live with -p rerun_file:=RRD'
         raise UsageError(msg)
+    if args.live:
+        why = 'not with --live, where the recorder decides'
+        refuse_given(args, ('page', *SIGNAL_OPTIONS), why)
     if args.screenshot:
         refuse_given(args, ('web',), 'not with --screenshot, which shows nothing')
     else:
@@ -128,6 +131,7 @@ def _sources(args: argparse.Namespace, folder: Path) -> list[str]:
     if args.save and args.save.exists():
         raise BearingTwinError(f'{args.save} exists and is not overwritten; name another file')
     if pictures:
+        refuse_given(args, ('page',), 'not for .rrd, whose pages are in order already')
         if args.save:
             _copy(pictures[0], args.save)
         return [str(pictures[0])]

@@ -101,12 +101,21 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
     assert (low, high) == (-high, pytest.approx(peak))
 
 
+def test_a_page_for_which_nothing_is_there_is_refused(folder, tmp_path, capsys):
+    args = ['view', str(folder / 'fan.npz'), '--save', str(tmp_path / 'a.rrd'), '--page']
+    assert cli.main([*args, 'Temperature']) == 1
+    said = 'nothing is there to show on the page Temperature; the pages are Verdict, Vibration'
+    assert said in capsys.readouterr().err
+    assert cli.main([*args, 'Evidence']) == 0
+
+
 @pytest.mark.parametrize(
     ('words', 'said'),
     [
         (['report', 'RUN', '--bearing', '6205', '--rpm', '1480'], '--bearing, --rpm: for .npz'),
         (['view', 'RUN', '--channel', 'y', '--save', 'x.rrd'], '--channel: for .npz'),
         (['view', 'RUN', '--at', '3'], '--at: only with --screenshot'),
+        (['view', '--live', '--page', 'Twin', '--rpm', '9'], ': not with --live'),
         (['view', 'RUN', '--web-port', '1'], '--web-port: only with --web'),
         (['view', 'RUN', '--web', '--screenshot', 'x.png'], '--web: not with --screenshot'),
     ],

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import cast, TYPE_CHECKING
+from typing import Any, cast, TYPE_CHECKING
 
 from bearing_twin.view.rerun.views import (
     bearing_views,
@@ -29,6 +29,7 @@ from bearing_twin.view.rerun.views import (
     waterfall_views,
     waveform_views,
 )
+from bearing_twin.view.style import PAGES
 from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, OVER_LIMITS, TWIN_STATE
 import rerun.blueprint as rrb
 
@@ -87,6 +88,18 @@ def layout(
         auto_views=False,
         auto_layout=False,
     )
+
+
+def pages_of(blueprint: rrb.Blueprint) -> list[str]:
+    """Return the names of the pages of :func:`layout`, in their order."""
+    found: list[str] = []
+    left: list[Any] = [blueprint.root_container]
+    while left:
+        part = left.pop(0)
+        if isinstance(part, (rrb.Tabs, rrb.Vertical, rrb.Horizontal, rrb.Grid)):
+            found += [part.name] if part.name in PAGES and part.name not in found else []
+            left += part.contents
+    return found
 
 
 def automatic(

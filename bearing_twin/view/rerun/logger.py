@@ -18,7 +18,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import is_feature
 from bearing_twin.stamps import NANO
-from bearing_twin.view.rerun.blueprint import automatic, layout
+from bearing_twin.view.rerun.blueprint import automatic, layout, pages_of
 from bearing_twin.view.rerun.outlet import Outlet, release, ServedOutlet
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.scales import Scales
@@ -102,6 +102,7 @@ class RerunLogger:
         self.failed = 0
         """Messages that could not be drawn."""
         self.problems: dict[str, str] = {}
+        self.pages: list[str] = []
         """First reason of each topic."""
         # The first text loads pandas, where installed: a second that no message shall wait.
         rr.TextLog('')
@@ -281,6 +282,7 @@ class RerunLogger:
                 tables=sorted(self._native_tables),
             )
         )
+        self.pages = pages_of(blueprint)
         self._emit(lambda recording: recording.send_blueprint(blueprint), lasting=True)
 
     def _emit(self, mark: Mark, *, lasting: bool = False) -> None:

@@ -77,7 +77,7 @@ def draw_recordings(
     Raises
     ------
     BearingTwinError
-        If a recording cannot be read or holds no message.
+        If a recording cannot be read or holds no message, or if there is no such page.
 
     """
     infos = [recording_info(path) for path in paths]
@@ -85,6 +85,7 @@ def draw_recordings(
         if not info.count:
             raise BearingTwinError(f'{info.path} holds no message')
     if len(paths) == 1 and not OWN & {topic.type_name for topic in infos[0].topics.values()}:
+        _check_page(page, [])
         return _draw_foreign(infos[0], rrd, progress)
     names = [''] if len(paths) == 1 else _names(paths)
     begins = [_begin(info) for info in infos]
@@ -103,7 +104,14 @@ def draw_recordings(
             problems |= _draw(logger, name, info, part, begin=begins[k])
     if progress is not None:
         progress(1.0)
+    _check_page(page, logger.pages)
     return problems | logger.problems
+
+
+def _check_page(page: str, pages: Sequence[str]) -> None:
+    if page and page not in pages:
+        there = f'the pages are {", ".join(pages)}' if pages else 'there are no pages'
+        raise BearingTwinError(f'nothing is there to show on the page {page}; {there}')
 
 
 def _draw_foreign(
