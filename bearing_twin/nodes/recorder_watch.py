@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
+import os
 from pathlib import Path
 import platform
 import time
@@ -69,6 +70,8 @@ class RecordingWatch:
         if values['rerun_file'] or values['rerun_port']:
             port = values['rerun_port']
             try:
+                # The file has no footer on purpose: Rerun need not warn of it.
+                os.environ.setdefault('RUST_LOG', 'info,re_log_encoding=error')
                 # Imported only when needed: the import takes a second.
                 from bearing_twin.view.rerun import logger as rerun
 
@@ -76,6 +79,7 @@ class RecordingWatch:
                     recording_id=str(writer.path.absolute()),
                     rrd=free_path(Path(values['rerun_file'])) if values['rerun_file'] else None,
                     serve=(values['rerun_address'], port) if port else None,
+                    footer=False,
                 )
             except BearingTwinError as error:
                 self.problem = f'nothing is drawn: {error} (-p rerun_port:=N, -p rerun_file:=FILE)'

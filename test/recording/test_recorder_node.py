@@ -28,6 +28,8 @@ import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from recorder_process import BLOCK, on_disk, Source
+from rerun.chunk import RrdReader
+from rerun_bindings import check_for_rrd_footer
 from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
@@ -87,6 +89,22 @@ def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> Non
     not hasattr(_rclpy.Timer, 'call_timer_with_info'),
     reason='rclpy 7 (Jazzy) does not tell who sent a message',
 )
+def test_a_picture_that_is_written_for_days_keeps_no_list_of_its_parts(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    rrd = tmp_path / 'live.rrd'
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': str(tmp_path / 'bag'), 'rerun_file': str(rrd)})
+        source.wait_for_recorder()
+        source.publish_for(1.0)
+        source.settle()
+        assert nodes.end('recorder') == 0
+    assert 'footer' not in (tmp_path / 'logs' / 'recorder.log').read_text()
+    # Rerun keeps a kilobyte of each part until it writes the list of them at the end.
+    assert not check_for_rrd_footer(str(rrd))
+    assert any('/vibration' in chunk.entity_path for chunk in RrdReader(rrd).stream())
+
+
 def test_what_was_sent_before_it_was_heard_is_counted(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
     with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
