@@ -201,6 +201,15 @@ def test_of_a_stereo_file_the_other_channel_is_named(tmp_path: Path) -> None:
     assert read_signal(path, channel='1').source.endswith('channel 1')
 
 
+def test_a_wav_that_is_cut_off_is_said_to_be(tmp_path: Path) -> None:
+    path = tmp_path / 'a.wav'
+    wavfile.write(path, 20000, X.astype(np.float32))
+    path.write_bytes(path.read_bytes()[:-4000])
+    signal = read_signal(path)
+    np.testing.assert_array_equal(signal.x, X[:4000].astype(np.float32))
+    assert signal.source.endswith('channel 0 (the file ends before its header says)')
+
+
 def test_a_channel_of_one_axis_or_of_three_dimensions_is_refused_with_the_remedy(
     tmp_path: Path,
 ) -> None:

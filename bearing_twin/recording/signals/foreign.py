@@ -228,8 +228,8 @@ def _read_wav(path: Path) -> dict[str, Any]:
     from scipy.io import wavfile
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore')
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter('always')
             rate, samples = wavfile.read(BytesIO(path.read_bytes()))
         scale = 1.0
         if samples.dtype.kind in 'iu':
@@ -240,7 +240,8 @@ def _read_wav(path: Path) -> dict[str, Any]:
         # SciPy raises exceptions of many types if the bytes are damaged.
         msg = f'{path} cannot be read as .wav ({type(error).__name__}: {error})'
         raise BearingTwinError(f'{msg}; is it complete, and not compressed?') from None
-    return {'table': table, 'fs': rate, 'scale': scale, 'offset': offset}
+    torn = any('EOF' in str(warning.message) for warning in told)
+    return {'table': table, 'fs': rate, 'scale': scale, 'offset': offset, 'torn': torn}
 
 
 def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
@@ -252,6 +253,8 @@ def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str
     where = f', channel {index}'
     if channel is None and count > 1:
         where += f' (there is also {", ".join(map(str, range(1, min(count, 11))))})'
+    if wav['torn']:
+        where += ' (the file ends before its header says)'
     return {'x': x, 'fs': wav['fs'], 'where': where}
 
 
