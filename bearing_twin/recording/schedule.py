@@ -11,7 +11,14 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.signals.csvfile import fields_of, HEAD, SECONDS, table_text, unit_of
+from bearing_twin.recording.signals.csvfile import (
+    fields_of,
+    HEAD,
+    SECONDS,
+    table_text,
+    unit_in,
+    unit_of,
+)
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
@@ -176,8 +183,9 @@ def _temperature_column(path: Path, heading: list[str], count: int) -> int:
             'one temperature'
         )
     # A line before the numbers may be a title, shorter than a heading.
-    if heading[columns[0] :] and _OTHER_UNIT.search(heading[columns[0]]):
-        raise BearingTwinError(f'{path}: {heading[columns[0]]!r} is not in degC; convert it')
+    named = ''.join(heading[columns[0] : columns[0] + 1])
+    if _OTHER_UNIT.search(named) or unit_in(named):
+        raise BearingTwinError(f'{path}: {named!r} is not in degC; convert it')
     return columns[0]
 
 

@@ -92,6 +92,7 @@ def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
         ('time,temperature\n0,20\n', 'has fewer than two temperatures; record for longer'),
         ('time,temperature\n0,20\nend\n', 'line 3 has no time: end'),
         ('time,Temp [°F]\n0,20\n1,21\n', "'Temp [°F]' is not in degC; convert it"),
+        ('Time (s),Motor (g)\n0,0.1\n1,0.2\n', "'Motor (g)' is not in degC; convert it"),
         ('time,temp in,temp out\n0,20,1\n1,21,1\n', '2 of its columns temp in, temp out are'),
         ('time,speed,load\n0,20,1\n1,21,1\n', '0 of its columns speed, load are temperatures'),
         (
