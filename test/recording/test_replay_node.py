@@ -98,7 +98,7 @@ def test_command_line(ros_domain: int, tmp_path: Path) -> None:
             'on one topic, /temperature',
             1,
         ),
-        ([tmp_path / 'run', '--offline'], 'name it with -o', 1),
+        ([tmp_path / 'run', '--offline'], 'name it with -o', 2),
     ):
         ran = run_command('replay', *wrong)
         assert ran.returncode == status
