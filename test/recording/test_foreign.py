@@ -90,15 +90,15 @@ def test_mat_of_version_4(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(('dtype', 'bits'), [('f4', 0x7FA00000), ('f8', 0x7FF4000000000000)])
-def test_damaged_samples_of_a_wav_are_nan_without_a_warning(
-    tmp_path: Path, dtype: str, bits: int
-) -> None:
+def test_damaged_samples_are_nan_without_a_warning(tmp_path: Path, dtype: str, bits: int) -> None:
     samples = np.zeros(100, dtype)
     samples.view(dtype.replace('f', 'u'))[7] = bits
     wavfile.write(tmp_path / 'a.wav', 25600, samples)
     with warnings.catch_warnings():
         warnings.simplefilter('error')
         found = read_signal(tmp_path / 'a.wav')
+        np.savez(tmp_path / 'a.npz', acc=samples, fs=1000.0)
+        assert np.isnan(read_signal(tmp_path / 'a.npz').x[7])
     assert np.flatnonzero(np.isnan(found.x)).tolist() == [7]
 
 

@@ -257,9 +257,9 @@ def is_even(column: NDArray[Any]) -> bool:
     (True, False)
 
     """
-    values = column.ravel().astype(np.float64)
-    # Infinite or huge values are not times: suppress the warnings of NumPy.
+    # Infinite or huge values and signalling NaN are not times: suppress the warnings of NumPy.
     with np.errstate(over='ignore', invalid='ignore'):
+        values = column.ravel().astype(np.float64)
         steps = np.diff(values)
         step = steps.mean()
         if not (step and np.all(steps * step >= 0.0)):
