@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from bearing_twin.cli import main
+from bearing_twin.ros.processes.fastdds import OLDER
 from bearing_twin.ros.processes.launching import NodeProcesses
 import pytest
 
@@ -277,7 +278,11 @@ def test_what_rclpy_refuses_is_one_sentence(ros_domain, given, said):
     [
         (['__node:=' + 300 * 'n'], "node name length should not exceed '255'"),
         (['__ns:=/' + 225 * 'n'], "topic length should not exceed '255"),
-        (['samples:=v', 'vibration:=v'], 'existing topic name rt/v with incompatible type'),
+        pytest.param(
+            ['samples:=v', 'vibration:=v'],
+            'existing topic name rt/v with incompatible type',
+            marks=pytest.mark.skipif(OLDER, reason='rcl 9 (Jazzy) says something else'),
+        ),
     ],
 )
 def test_names_that_ros_does_not_take_are_refused(ros_domain, rules, said):

@@ -85,10 +85,6 @@ def test_what_arrives_is_what_is_written(ros_domain: int, tmp_path: Path) -> Non
         assert message.log_time >= message.publish_time
 
 
-@pytest.mark.skipif(
-    not hasattr(_rclpy.Timer, 'call_timer_with_info'),
-    reason='rclpy 7 (Jazzy) does not tell who sent a message',
-)
 def test_a_picture_that_is_written_for_days_keeps_no_list_of_its_parts(
     ros_domain: int, tmp_path: Path
 ) -> None:
@@ -105,6 +101,10 @@ def test_a_picture_that_is_written_for_days_keeps_no_list_of_its_parts(
     assert any('/vibration' in chunk.entity_path for chunk in RrdReader(rrd).stream())
 
 
+@pytest.mark.skipif(
+    not hasattr(_rclpy.Timer, 'call_timer_with_info'),
+    reason='rclpy 7 (Jazzy) does not tell who sent a message',
+)
 def test_what_was_sent_before_it_was_heard_is_counted(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
     with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
