@@ -6,12 +6,12 @@ import os
 from pathlib import Path
 
 from bearing_twin.cli import main
-from bearing_twin.ros.processes.fastdds import OLDER
 from bearing_twin.ros.processes.launching import NodeProcesses
 import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.ros.processes.fastdds import OLDER
 from commands import python
 from forked import run_command
 from rcl_interfaces.msg import Parameter, ParameterValue
