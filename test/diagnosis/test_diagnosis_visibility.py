@@ -71,7 +71,7 @@ def test_impacts_whose_ringing_runs_together_are_not_healthy(strength, result, f
     assert 'record at a lower speed' in said.reasons[-1]
 
 
-@pytest.mark.parametrize('depth', [0.03, 0.05, 0.08])
+@pytest.mark.parametrize('depth', [0.03, 0.05, 0.07])
 def test_passing_balls_of_a_fast_bearing_are_healthy(depth):
     _, _, shaft_hz, x = _fast()
     x *= 1.0 + depth * np.cos(2.0 * np.pi * 1000.0 / 51_200 * np.arange(len(x)))
