@@ -158,14 +158,14 @@ class Health:
 
     def _count_publishers(self) -> None:
         """Note since when topics of this node have other publishers, a few topics at a time."""
-        own = [p for p in self._node.publishers if getattr(p, 'is_activated', False)]
-        if not own:
-            self._shared.clear()
-        begin = self._looked if self._looked < len(own) else 0
+        every = list(self._node.publishers)
+        begin = self._looked if self._looked < len(every) else 0
         self._looked = begin + TOPICS
-        for publisher in own[begin : begin + TOPICS]:
+        for publisher in every[begin : begin + TOPICS]:
             topic = publisher.topic_name
-            if self._node.count_publishers(topic) > 1:
+            # Two nodes may share a topic of which one is not active.
+            active = getattr(publisher, 'is_activated', False)
+            if active and self._node.count_publishers(topic) > 1:
                 self._shared.setdefault(topic, time.monotonic())
             else:
                 self._shared.pop(topic, None)
