@@ -7,6 +7,7 @@ from __future__ import annotations
 import functools
 from typing import TYPE_CHECKING
 
+from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
 
 if TYPE_CHECKING:
@@ -36,12 +37,45 @@ def without_drift(x: NDArray[np.float64]) -> NDArray[np.float64]:
     True
 
     """
-    basis = _trends(len(x))
-    return np.asarray(x - (basis @ x) @ basis)
+    x = np.ascontiguousarray(x, np.float64)
+    left = np.empty(len(x))
+    _take_cubic(x, _inverse_gram(len(x)) @ _moments(x), left)
+    return left
 
 
 @functools.lru_cache(maxsize=16)
-def _trends(count: int) -> NDArray[np.float64]:
-    """Return orthonormal polynomials up to ``_DEGREE``, shape (degree + 1, count)."""
-    powers = np.linspace(-1.0, 1.0, count)[:, None] ** np.arange(min(_DEGREE, count - 1) + 1)
-    return np.ascontiguousarray(np.linalg.qr(powers)[0].T)
+def _inverse_gram(count: int) -> NDArray[np.float64]:
+    """Return the matrix that makes coefficients of 1, t, ... of the moments of `_moments`."""
+    powers = np.linspace(-1.0, 1.0, count)[:, None] ** np.arange(_DEGREE + 1)
+    return np.asarray(np.linalg.pinv(powers.T @ powers))
+
+
+# Not as a product with a matrix: its columns are four times as long as the samples, which would
+# throw all else out of the cache.
+@compiled(fast=FAST, borrows=True)
+def _moments(x: NDArray[np.float64]) -> tuple[float, float, float, float]:
+    """Return the sums of x, x t, x t^2, x t^3, where t rises from -1 to 1."""
+    step = 2.0 / max(len(x) - 1, 1)
+    zeroth, first, second, third = 0.0, 0.0, 0.0, 0.0
+    for n in range(len(x)):
+        t = n * step - 1.0
+        at = x[n]
+        zeroth += at
+        at *= t
+        first += at
+        at *= t
+        second += at
+        third += at * t
+    return zeroth, first, second, third
+
+
+@compiled(fast=FAST, borrows=True)
+def _take_cubic(
+    x: NDArray[np.float64], coefficients: NDArray[np.float64], left: NDArray[np.float64]
+) -> None:
+    """Write ``x`` without the polynomial of these coefficients of 1, t, t^2, t^3 to ``left``."""
+    step = 2.0 / max(len(x) - 1, 1)
+    c0, c1, c2, c3 = coefficients[0], coefficients[1], coefficients[2], coefficients[3]
+    for n in range(len(x)):
+        t = n * step - 1.0
+        left[n] = x[n] - (c0 + t * (c1 + t * (c2 + t * c3)))
