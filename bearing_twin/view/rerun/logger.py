@@ -106,8 +106,9 @@ class RerunLogger:
         self.failed = 0
         """Messages that could not be drawn."""
         self.problems: dict[str, str] = {}
-        self.pages: list[str] = []
         """First reason of each topic."""
+        self.pages: list[str] = []
+        """Names of the pages that were laid out."""
         # The first text loads pandas, where installed: a second that no message shall wait.
         rr.TextLog('')
         if rrd is not None:
