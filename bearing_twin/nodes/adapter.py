@@ -322,7 +322,7 @@ class AdapterNode(ManagedNode):
             return Level.ERROR if wrong.refused else Level.WARN, wrong.text
         if self._arrived - self._spoilt < SHOWN:
             return Level.WARN, (
-                f'{self._unusable} samples are NaN or infinite, of which no verdict comes: check '
+                f'{self._unusable} samples are NaN or infinite, which gives no verdict: check '
                 'sensor and driver'
             )
         if self._arrived - self._crowded < SHOWN:

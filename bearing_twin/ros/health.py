@@ -164,7 +164,7 @@ class Health:
         self._looked = begin + TOPICS
         for publisher in every[begin : begin + TOPICS]:
             topic = publisher.topic_name
-            # Two nodes may share a topic of which one is not active.
+            # An inactive node publishes nothing, so it may share the topics of an active one.
             active = getattr(publisher, 'is_activated', False)
             if active and self._node.count_publishers(topic) > 1:
                 self._shared.setdefault(topic, time.monotonic())

@@ -338,8 +338,8 @@ def _table(path: Path, text: str, start: int, separator: str) -> Any:
     except (ValueError, MemoryError) as error:
         raise BearingTwinError(
             f'{path}: after line {start} not every line has the same columns of numbers '
-            f'({_odd_line(lines, start, separator) or error}); fill or remove what is no number, '
-            'and write a number with one decimal sign and no other'
+            f'({_odd_line(lines, start, separator) or error}); fill or remove fields that are no '
+            'numbers, and write numbers with a decimal sign only, not with one for thousands'
         ) from None
     return table
 
