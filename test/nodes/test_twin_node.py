@@ -218,15 +218,23 @@ def test_names_and_quality_of_service_can_be_changed_from_outside(nodes, probe):
 def test_simulated_time_stands_still_runs_faster_and_jumps_back(nodes, probe):
     nodes.start('twin', {'use_sim_time': True})
     blocks = probe.collect(Vibration, 'vibration')
+    states = probe.collect(TwinState, 'twin_state')
     probe.watch_diagnostics()
 
     name = 'twin: real time'
     probe.until_active('twin')
     probe.until(lambda: name in probe.statuses, 'a status without /clock')
+    probe.until(
+        lambda: probe.status('twin: temperature input').message == 'temperature is fresh',
+        'a temperature without /clock',
+        every=lambda: probe.publish('temperature', Temperature(temperature=60.0)),
+    )
     assert blocks == []
     # At ten times real time, where the machine is fast enough.
     probe.run_clock(100.0, 104.0, {'twin': blocks})
     probe.until_still('twin')
+    # Its temperature is as old as simulated time is.
+    assert {state.temperature_status for state in states} == {TwinState.TEMPERATURE_OK}
     count = len(blocks)
     # Up to two of the hundred may wait for the next reading of /clock.
     assert 98 <= count <= 100

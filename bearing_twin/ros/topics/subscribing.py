@@ -30,12 +30,23 @@ LARGEST = 16 * 1024 * 1024
 
 
 def receiver_clock(node: Node) -> Callable[[], float]:
-    """Return the clock for the age of inputs, s: simulated time if the node uses it."""
+    """
+    Return the clock for the age of inputs, s: simulated time if the node uses it.
+
+    Simulated time counts from its first reading, which may come after the first input.
+    """
     # use_sim_time does not change while a node is configured.
     if not node.get_parameter('use_sim_time').value:
         return time.monotonic
-    clock = node.get_clock()
-    return lambda: float(clock.now().nanoseconds / NANO)
+    clock, first = node.get_clock(), 0
+
+    def simulated() -> float:
+        nonlocal first
+        now = clock.now().nanoseconds
+        first = first or now
+        return float((now - first) / NANO)
+
+    return simulated
 
 
 def read_message(cdr: bytes, kind: type) -> Any:
