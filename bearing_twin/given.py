@@ -56,11 +56,6 @@ def real_number(name: str, value: Any) -> float:
     """
     Return one real number, NaN and infinity included.
 
-    Raises
-    ------
-    BearingTwinError
-        If the value is no number, or more than one.
-
     Examples
     --------
     >>> real_number('shaft_hz', '25')
@@ -83,11 +78,6 @@ def check_kind(name: str, value: Any, kind: type, remedy: str) -> None:
     """
     Refuse a value that is no instance of a class.
 
-    Raises
-    ------
-    BearingTwinError
-        The text names value, class and remedy.
-
     Examples
     --------
     >>> check_kind('load', '5', float, 'give it in N')
@@ -102,11 +92,6 @@ def check_kind(name: str, value: Any, kind: type, remedy: str) -> None:
 def one_axis(values: Any, name: str = 'x') -> NDArray[np.float64]:
     """
     Return the samples of one axis, shape (n,).
-
-    Raises
-    ------
-    BearingTwinError
-        If they are no real numbers, or have other than one dimension.
 
     Examples
     --------

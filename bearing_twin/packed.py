@@ -39,11 +39,6 @@ def unpack(data: bytes, version: int) -> tuple[dict[str, Any], dict[str, np.ndar
     """
     Return the values and arrays that :func:`pack` wrote.
 
-    Raises
-    ------
-    BearingTwinError
-        If the bytes are not a saved state, are damaged, or have another version.
-
     >>> unpack(pack(2, {'count': 3}, {}), 2)
     ({'count': 3}, {})
 
@@ -87,11 +82,6 @@ def restored(kind: Any, value: Any) -> Any:
         checks ranges itself, in its ``__post_init__``.
     value
         The saved value.
-
-    Raises
-    ------
-    BearingTwinError
-        If the value is not of this type.
 
     >>> restored(dict[str, list[float]], {'x': [1]})
     {'x': [1.0]}

@@ -52,11 +52,6 @@ class Quantity:
         """
         Refuse a value that is not finite, out of range, not one of the choices, or too long.
 
-        Raises
-        ------
-        BearingTwinError
-            The text names value, limit and remedy.
-
         Examples
         --------
         >>> Quantity(description='Mass.', unit='kg', low=0.1, high=5.0).check('mass', 0.0)

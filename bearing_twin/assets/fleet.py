@@ -147,12 +147,6 @@ def build_fleet(values: Iterable[Mapping[str, Any]], *, threads: int = 1) -> Fle
 
     Common parameters are taken from the first twin. ``threads`` is the number of cores that
     compute the equations.
-
-    Raises
-    ------
-    BearingTwinError
-        If parameters of a twin contradict each other or are missing.
-
     """
     values = list(values)
     with parameters_of('fleet'):

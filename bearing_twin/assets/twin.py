@@ -103,15 +103,7 @@ class TwinChannel(Inputs):
 
 
 class Twin(TwinChannel):
-    """
-    A twin with its own simulator, for the parameters of a twin node.
-
-    Raises
-    ------
-    BearingTwinError
-        If the parameters contradict each other, or some are missing.
-
-    """
+    """A twin with its own simulator, for the parameters of a twin node."""
 
     def __init__(
         self,

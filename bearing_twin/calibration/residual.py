@@ -90,11 +90,6 @@ def spectral_levels(
     names, levels
         dB, shape (m,); NaN where a band or a line cannot be resolved.
 
-    Raises
-    ------
-    BearingTwinError
-        If the samples are too few or not finite.
-
     Examples
     --------
     >>> t = np.arange(51200) / 25600.0
@@ -314,15 +309,7 @@ class Residual:
 
     @classmethod
     def of(cls, values: dict[str, Any], decisions: Row) -> Residual:
-        """
-        Return the residual that :meth:`save` has written.
-
-        Raises
-        ------
-        BearingTwinError
-            If the values are not from :meth:`save`.
-
-        """
+        """Return the residual that :meth:`save` has written."""
         try:
             names, rows, recent = (
                 tuple(map(str, values['names'])),
@@ -392,15 +379,7 @@ class Residuals:
 
     @classmethod
     def of(cls, values: Any, arrays: dict[str, Row]) -> Residuals:
-        """
-        Return the residuals that :meth:`save` has written.
-
-        Raises
-        ------
-        BearingTwinError
-            If the values are not from :meth:`save`.
-
-        """
+        """Return the residuals that :meth:`save` has written."""
         try:
             known = [
                 (float(each['shaft_hz']), Residual.of(each, arrays[str(at)]))

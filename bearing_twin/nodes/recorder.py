@@ -281,15 +281,7 @@ class RecorderNode(ManagedNode):
 
 
 def build_writer(values: Mapping[str, Any]) -> RecordingWriter:
-    """
-    Return the writer for the given parameters; this creates the recording.
-
-    Raises
-    ------
-    BearingTwinError
-        If the recording cannot be created, or the parameters contradict each other.
-
-    """
+    """Return the writer for the given parameters; this creates the recording."""
     path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
     if not path.name:
         msg = f"output='{path}' has no name of its own: give a new folder, or a file .mcap"

@@ -26,15 +26,7 @@ if TYPE_CHECKING:
 
 
 def named_model(values: Mapping[str, Any]) -> FittedModel | None:
-    """
-    Return the calibration that the parameters name; None if they name none.
-
-    Raises
-    ------
-    BearingTwinError
-        If the file cannot be read or is not a calibration.
-
-    """
+    """Return the calibration that the parameters name; None if they name none."""
     if not values['calibration']:
         return None
     file = StateFolder(values['state_directory']).load(values['calibration'])

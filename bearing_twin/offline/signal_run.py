@@ -38,12 +38,6 @@ def record_signal(
 
     ``shaft_hz`` (Hz; NaN: none) and ``unit`` ('': none) replace the speed and the unit of the
     signal.
-
-    Raises
-    ------
-    BearingTwinError
-        If the recording cannot be written, or the signal cannot be diagnosed.
-
     """
     length = len(signal.x) / signal.sample_rate
     run = DiagnosisRun(read_values(diagnosis_parameters.SPECS, _parameters(bearing, length)))

@@ -33,15 +33,7 @@ MARKER = '.bearing-twin-paper'
 
 
 def prepare_folder(folder: Path) -> None:
-    """
-    Create ``folder``, or accept it if it is empty or was written by this command.
-
-    Raises
-    ------
-    BearingTwinError
-        If it is a file, holds anything else, or cannot be written.
-
-    """
+    """Create ``folder``, or accept it if it is empty or was written by this command."""
     try:
         if folder.is_file():
             raise BearingTwinError(f'{folder} is a file; give a folder with --out')

@@ -41,12 +41,6 @@ class Player:
     paused
         Start paused.
 
-    Raises
-    ------
-    BearingTwinError
-        If the recording cannot be read, a topic or the start offset is not in it, or the section
-        to play has no messages.
-
     """
 
     def __init__(

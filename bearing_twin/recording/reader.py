@@ -97,15 +97,7 @@ class RecordingInfo:
 
 
 def recording_files(path: Path) -> list[Path]:
-    """
-    Return the MCAP files of a recording in natural order of their names.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is none, if the path is a pipe, socket or device, or if it cannot be read.
-
-    """
+    """Return the MCAP files of a recording in natural order of their names."""
     try:
         files = sorted(path.glob('*.mcap'), key=natural)
         is_folder, exists = path.is_dir(), path.exists()

@@ -227,12 +227,6 @@ def write_temperature_recording(
     Write times (s from ``start``) and temperatures (degC) as ``sensor_msgs/Temperature``.
 
     ``start`` is in ns since 1970.
-
-    Raises
-    ------
-    BearingTwinError
-        If the path exists or cannot be written.
-
     """
     store = get_typestore(Stores.ROS2_KILTED)
     temperature, header, time = (

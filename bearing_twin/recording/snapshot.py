@@ -25,12 +25,6 @@ class SnapshotWriter(RecordingWriter):
 
     Messages from ``before`` seconds before a trigger to ``after`` seconds after it are written.
     The messages kept in memory take at most ``memory`` bytes.
-
-    Raises
-    ------
-    BearingTwinError
-        If the path exists or is not a folder name, or if the options contradict each other.
-
     """
 
     def __init__(

@@ -193,11 +193,6 @@ class RecordingWriter:
         schema
             Schema of the message. With None the installed package provides it.
 
-        Raises
-        ------
-        BearingTwinError
-            If the definition of the type is unknown, or a time is out of range.
-
         """
         schema = schema or message_schema(type_name)
         if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):

@@ -113,11 +113,6 @@ class ParameterSet:
     inherited
         Values that are not parameters here but are included in :attr:`values`.
 
-    Raises
-    ------
-    BearingTwinError
-        If a start value is unknown, has the wrong type or is refused.
-
     """
 
     def __init__(

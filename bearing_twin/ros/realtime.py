@@ -53,11 +53,6 @@ def raise_priority(priority: int) -> str:
     str
         Scheduling in force, for /diagnostics.
 
-    Raises
-    ------
-    BearingTwinError
-        If the system refuses the priority.
-
     """
     if not priority:
         return 'normal'

@@ -50,15 +50,7 @@ SPECS = (
 
 
 def build_bearing(values: Mapping[str, Any]) -> Bearing:
-    """
-    Return the bearing that the parameters name or describe.
-
-    Raises
-    ------
-    BearingTwinError
-        If the catalogue has no such bearing, or the geometry is invalid.
-
-    """
+    """Return the bearing that the parameters name or describe."""
     if values['bearing']:
         return find_bearing(values['bearing'])
     return own_bearing(values['geometry'])

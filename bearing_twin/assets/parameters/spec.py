@@ -87,15 +87,7 @@ fixed = functools.partial(parameter, running=False)
 
 
 def read_values(specs: Iterable[Spec], given: Mapping[str, Any]) -> dict[str, Any]:
-    """
-    Return the values of all parameters: those given, and the defaults of the others.
-
-    Raises
-    ------
-    BearingTwinError
-        If a name is unknown, or a value has another type or is outside its limits.
-
-    """
+    """Return the values of all parameters: those given, and the defaults of the others."""
     table = {spec.name: spec for spec in specs}
     unknown = [no_parameter(name, table) for name in given if name not in table]
     if unknown:

@@ -134,15 +134,7 @@ _DEFAULTS = {spec.name: spec.default for spec in SPECS if spec.implied}
 
 
 def build_parameters(values: Mapping[str, Any]) -> TwinParameters:
-    """
-    Return the model parameters for given values of the node parameters.
-
-    Raises
-    ------
-    BearingTwinError
-        If they contradict each other or are outside the validity of the model.
-
-    """
+    """Return the model parameters for given values of the node parameters."""
     values = {**_DEFAULTS, **values}
     bearing = values['bearing']
     return preset(

@@ -184,15 +184,7 @@ class Calibration:
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Calibration:
-        """
-        Return the calibration that :meth:`to_dict` wrote.
-
-        Raises
-        ------
-        BearingTwinError
-            If a field is missing, of another type or outside its range.
-
-        """
+        """Return the calibration that :meth:`to_dict` wrote."""
         try:
             machine, spectrum = values['machine'], values['spectrum']
             situation = _situation(machine, values['defect'])

@@ -114,15 +114,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def read_cases(folder: Path) -> list[Case]:
-    """
-    Return the labelled records of a folder; those with other labels are left out.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is no usable index.json, or a record names a bearing that is not known.
-
-    """
+    """Return the labelled records of a folder; those with other labels are left out."""
     if is_dataset(folder):
         return _cases_of_dataset(folder)
     try:

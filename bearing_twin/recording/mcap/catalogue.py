@@ -82,15 +82,7 @@ class RecordedMessage(NamedTuple):
         return self.channel.type_name
 
     def decode(self) -> Any:
-        """
-        Return an object with the fields of the ROS message, number arrays as numpy arrays.
-
-        Raises
-        ------
-        BearingTwinError
-            If schema or bytes are damaged or have another encoding.
-
-        """
+        """Return an object with the fields of the ROS message, number arrays as numpy arrays."""
         channel = self.channel
         if channel.encoding != 'cdr' or channel.schema_encoding != 'ros2msg':
             raise BearingTwinError(
@@ -161,15 +153,7 @@ class Catalogue:
         self._unknown: set[int] = set()
 
     def learn(self, opcode: int, content: bytes, offset: int) -> None:
-        """
-        Add a schema or channel from a record of the file.
-
-        Raises
-        ------
-        BrokenRecording
-            If it is damaged, or if there are too many.
-
-        """
+        """Add a schema or channel from a record of the file."""
         identity, said = content[:2], self._said[opcode]
         known = said.get(identity, b'')
         if known == content:

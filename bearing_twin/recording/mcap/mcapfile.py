@@ -94,15 +94,7 @@ class RawRecord(NamedTuple):
 
 
 def refuse_special(path: Path) -> None:
-    """
-    Refuse pipes, sockets and devices: opening or reading one may never end.
-
-    Raises
-    ------
-    BrokenRecording
-        If the path, or the target of a link, exists and is neither a file nor a folder.
-
-    """
+    """Refuse pipes, sockets and devices: opening or reading one may never end."""
     if path.exists() and not path.is_file() and not path.is_dir():
         msg = f'{path} is no file but a pipe, socket or device; copy its content into a file'
         raise BrokenRecording(msg, 0)
@@ -119,15 +111,7 @@ def check_magic(file: BinaryIO) -> None:
 
 
 def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
-    """
-    Return up to ``length`` bytes from ``offset`` on.
-
-    Raises
-    ------
-    BrokenRecording
-        If the disk cannot read them, or no file can have such an offset.
-
-    """
+    """Return up to ``length`` bytes from ``offset`` on."""
     if length < 0 or offset > LAST_OFFSET:
         raise BrokenRecording(f'byte {offset} is behind the end of the file', offset)
     try:

@@ -174,11 +174,6 @@ def in_file_order(
     extra
         Called with each attachment and metadata record.
 
-    Raises
-    ------
-    BrokenRecording
-        If something is damaged and ``damaged`` is None.
-
     """
     chunks = Chunks(file, size)
     elsewhere = own_definitions(chunks) if damaged is not None else ()

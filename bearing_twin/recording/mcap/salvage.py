@@ -120,11 +120,6 @@ def sound_records(
         Called with each skipped part, from a record that cannot be read to the next one that can.
         With None the error is raised.
 
-    Raises
-    ------
-    BrokenRecording
-        If something is damaged and ``damaged`` is None.
-
     """
     search = _Search(chunks)
     size = chunks.size

@@ -50,12 +50,6 @@ def message_schema(type_name: str) -> MessageSchema:
 
     The text comes from the ``.msg`` files of the installed packages, with comments. Without ROS it
     comes from the files of this project and, for common packages of ROS 2, from rosbags.
-
-    Raises
-    ------
-    BearingTwinError
-        If the type or one of its dependencies is unknown.
-
     """
     texts: dict[str, str] = {}
     store = Typestore()

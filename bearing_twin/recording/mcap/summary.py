@@ -72,15 +72,7 @@ def summary_place(file: BinaryIO, size: int) -> tuple[int, int]:
 def summary_records(
     file: BinaryIO, size: int, wanted: Collection[int]
 ) -> Iterator[tuple[RawRecord, bytes]]:
-    """
-    Yield the records of the wanted kinds in the summary of a file, with their content.
-
-    Raises
-    ------
-    BrokenRecording
-        As :func:`summary_place`, or if it has more records than its size allows.
-
-    """
+    """Yield the records of the wanted kinds in the summary of a file, with their content."""
     at, stop = summary_place(file, size)
     unpack, left = RECORD_HEAD.unpack_from, MOST_RECORDS + (stop - at) // BYTES_PER_RECORD
     while at < stop:

@@ -47,12 +47,6 @@ def dataset_signals(path: Path) -> list[DatasetSignal]:
     Return the metadata of the signals that can be vibration, in the order of the data set.
 
     A signal of varying speed has no ``speed_rpm``, because one number cannot describe it.
-
-    Raises
-    ------
-    BearingTwinError
-        If the folder cannot be read or its table lacks a column that every signal needs.
-
     """
     table = path / TABLE
     # Cached: each signal needs the table, and reading one of 17 000 signals takes 0.6 s.

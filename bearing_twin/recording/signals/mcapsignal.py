@@ -62,12 +62,6 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
     most
         Most samples to read.
 
-    Raises
-    ------
-    BearingTwinError
-        If there is no such topic, if several topics fit and none is named, or if the signal is
-        too long.
-
     """
     info = recording_info(path)
     topic, axis = _topic(path, info.topics, channel)

@@ -66,15 +66,7 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
 def temperature_readings(
     path: Path, arrays: Mapping[str, Any]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """
-    Return times ``temp_t_s`` (s) and temperatures ``temp_C`` (degC) of a file, shape (n,) each.
-
-    Raises
-    ------
-    BearingTwinError
-        If they are no real numbers, or not as many.
-
-    """
+    """Return times ``temp_t_s`` (s) and temperatures ``temp_C`` (degC) of a file, shape (n,)."""
     times, temperatures = (
         real_numbers(f'{path}: {name}', arrays[name]).ravel() for name in ('temp_t_s', 'temp_C')
     )

@@ -112,11 +112,6 @@ def own_domain(first: int, listen: float = LISTEN) -> Iterator[int]:
     listen
         Time to listen in each domain, s; 0 to check the ports only.
 
-    Raises
-    ------
-    BearingTwinError
-        If every domain is in use.
-
     """
     for step in range(DOMAINS):
         domain = 1 + (first + step) % DOMAINS

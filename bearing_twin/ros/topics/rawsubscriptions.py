@@ -50,11 +50,6 @@ class TopicChoice:
     namespace
         Namespace of the node; it replaces ``{namespace}`` in ``regex`` and ``exclude``.
 
-    Raises
-    ------
-    BearingTwinError
-        If a regular expression is invalid.
-
     """
 
     def __init__(

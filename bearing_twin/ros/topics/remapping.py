@@ -16,15 +16,7 @@ if TYPE_CHECKING:
 
 
 def remapping(rules: list[str]) -> dict[str, str]:
-    """
-    Return the new name by recorded name, from rules ``recorded:=new``.
-
-    Raises
-    ------
-    BearingTwinError
-        If a rule has another form, or a new name is not a valid topic name.
-
-    """
+    """Return the new name by recorded name, from rules ``recorded:=new``."""
     names = {}
     for rule in filter(None, rules):
         recorded, separator, new = rule.partition(':=')

@@ -56,12 +56,6 @@ def read_message(cdr: bytes, kind: type) -> Any:
     Fast CDR (2.3.3) subtracts the padding from the length without a check, and then reads beyond
     the end of the memory. So four bytes from any sender could end the process; this is checked
     here.
-
-    Raises
-    ------
-    BearingTwinError
-        If the bytes are not such a message, or are too many.
-
     """
     if len(cdr) > LARGEST:
         raise BearingTwinError(

@@ -108,12 +108,6 @@ def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machi
     Return the contents of a recording, its health, and its machines by namespace.
 
     Unfinished files are read up to their end.
-
-    Raises
-    ------
-    BearingTwinError
-        If there is no recording, or nothing in it that a report can show.
-
     """
     machines: dict[str, _Collector] = {}
     start: int | None = None

@@ -57,11 +57,6 @@ def report_page(path: Path, source: Path | None = None) -> str:
     source
         Vibration file from which the recording was made, if any.
 
-    Raises
-    ------
-    BearingTwinError
-        If the recording cannot be read or holds no data of a bearing.
-
     """
     info, health, found = collect(path)
     machines = sorted(found.values(), key=_urgency, reverse=True)

@@ -82,11 +82,6 @@ class RerunLogger:
     scales
         Scales that the sides share.
 
-    Raises
-    ------
-    BearingTwinError
-        If the file exists or cannot be made, or the port is taken.
-
     """
 
     def __init__(

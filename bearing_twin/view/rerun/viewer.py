@@ -77,15 +77,7 @@ def show(sources: Sequence[str]) -> int:
 def show_in_browser(
     sources: Sequence[str], *, address: str, web_port: int, announce: Callable[[str], None]
 ) -> int:
-    """
-    Serve files, or one server, to browsers until interrupted.
-
-    Raises
-    ------
-    BearingTwinError
-        If the port is taken or the address is invalid.
-
-    """
+    """Serve files, or one server, to browsers until interrupted."""
     try:
         port = free_port(address, web_port)
     except (OSError, OverflowError, TypeError, ValueError) as error:
@@ -167,12 +159,6 @@ class HeadlessViewer:
         Wait until files are loaded or the past of a server is read, and show one moment.
 
         ``seconds`` count from the beginning of the blueprint's timeline; None: follow the end.
-
-        Raises
-        ------
-        BearingTwinError
-            If no data come, or ``seconds`` are out of range.
-
         """
         deadline = time.monotonic() + LOAD_TIMEOUT
         before, then = -math.inf, time.monotonic()
