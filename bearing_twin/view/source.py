@@ -104,7 +104,7 @@ def twin_in_words(values: Any) -> str:
     """Return preset and defects of a twin in words."""
     try:
         defects = build_parameters(values).defects
-        text = ', '.join(f'{PLACE[d.place]} {1e3 * d.width:.2g} mm' for d in defects)
+        text = ', '.join(f'{PLACE[d.place]} {1e3 * d.width:.3g} mm' for d in defects)
         return f'preset {values["preset"]}, {text or "no defect"}'
     except (BearingTwinError, KeyError, TypeError):
         return 'parameters of another version'

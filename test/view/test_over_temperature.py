@@ -5,9 +5,10 @@
 import math
 from types import SimpleNamespace
 
+from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED
 from bearing_twin.view.over_temperature import OverTemperature
-from bearing_twin.view.source import Source
+from bearing_twin.view.source import Source, twin_in_words
 import numpy as np
 import pytest
 import yaml
@@ -124,3 +125,8 @@ def test_vibration_says_itself_whether_it_is_simulated():
     checkpoint.configuration = yaml.safe_dump(values)
     source.checkpoint(checkpoint)
     assert source.text.startswith('simulated by /twin, ')
+
+
+def test_the_width_of_a_defect_is_that_of_the_preset():
+    values = {spec.name: spec.default for spec in SPECS} | {'defect': 'inner'}
+    assert twin_in_words(values) == 'preset paper, inner race 2.45 mm'
