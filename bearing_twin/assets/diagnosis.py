@@ -132,6 +132,8 @@ class DiagnosisCore:
         """
         Take one block; return the verdicts that are due.
 
+        While the rate is not measured and the stamps contradict the declared one, none is.
+
         Parameters
         ----------
         block
@@ -155,4 +157,6 @@ class DiagnosisCore:
             sensor=f'{block.frame_id} {self._axis}'.strip()
             + (' simulated' if block.simulated else ''),
         )
+        if self._rate_meter.doubts(block.sample_rate):
+            return []
         return [DueVerdict(excerpt, block, self.diagnoser) for excerpt in excerpts]

@@ -58,6 +58,7 @@ class RateMeter:
         """Measured rate, Hz; NaN while it is not known."""
         self._rates: deque[float] = deque(maxlen=SPANS)
         self._anchor: tuple[int, int] | None = None
+        self._first = self._latest = (0, 0)
 
     def take(self, index: int, stamp: int) -> None:
         """
@@ -74,7 +75,8 @@ class RateMeter:
         if self._anchor is None or index < self._anchor[0] or stamp < self._anchor[1]:
             self._rates.clear()
             self.rate = math.nan
-            self._anchor = (index, stamp)
+            self._anchor = self._first = (index, stamp)
+        self._latest = (index, stamp)
         elapsed = stamp - self._anchor[1]
         if elapsed >= SPAN:
             self._rates.append((index - self._anchor[0]) * NANO / elapsed)
@@ -90,6 +92,25 @@ class RateMeter:
         if agree and abs(median(latest) / median(self._rates) - 1.0) > REFUSED:
             self._rates.clear()
             self._rates.extend(latest)
+
+    def doubts(self, declared: float) -> bool:
+        """
+        Return whether the stamps contradict the declared rate (Hz) before the rate is measured.
+
+        Examples
+        --------
+        >>> meter = RateMeter()
+        >>> for block in range(25):
+        ...     meter.take(1024 * block, round(1024 * block / 12000 * NANO))
+        >>> meter.rate, meter.doubts(25600.0), meter.doubts(12000.0)
+        (nan, True, False)
+
+        """
+        samples, elapsed = (b - a for a, b in zip(self._first, self._latest, strict=True))
+        if not elapsed or not math.isnan(self.rate):
+            return False
+        due = samples * NANO / declared
+        return abs(elapsed - due) > REFUSED * max(due, SPAN)
 
     def problem(self, declared: float) -> RateProblem | None:
         """
