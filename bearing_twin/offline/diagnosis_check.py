@@ -50,6 +50,9 @@ class DiagnosisCheck:
         self._checkpoints: deque[Any] = deque()
         self._verdicts: deque[tuple[RecordedMessage, Any]] = deque()
         self._past: deque[Any] = deque()
+        # The last block, and the one before the gap with which the past blocks begin.
+        self._latest: Any = None
+        self._before_gap: Any = None
         self._next_sample = 0
         # Windows of verdicts of the re-run without a recorded verdict to compare with.
         self._unanswered: list[tuple[int, int]] = []
@@ -101,9 +104,10 @@ class DiagnosisCheck:
         elif self._run is not None and first != self._next_sample:
             self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
             self._run = None
+        latest, self._latest = self._latest, block
         self._next_sample = _block_end(block)
         if self._run is None:
-            self._keep(block)
+            self._keep(block, latest)
             return
         self._drop_unmade(first)
         temperature, speed = math.nan, math.nan
@@ -198,7 +202,9 @@ class DiagnosisCheck:
             return DiagnosisRun(values, state)
         run = DiagnosisRun(values)
         speed = self._speed(run)
-        for block in window:
+        # The first verdict after a gap tells of it.
+        gap = [self._before_gap] if window[0] is self._past[0] and self._before_gap else []
+        for block in (*gap, *window):
             with contextlib.suppress(BearingTwinError):
                 # The node refuses such a block as well.
                 run.take(
@@ -214,13 +220,15 @@ class DiagnosisCheck:
         given = float(self._verdicts[0][1].shaft_hz_given)
         return math.nan if given == nominal_speed(run.values) else given
 
-    def _keep(self, block: Any) -> None:
+    def _keep(self, block: Any, latest: Any) -> None:
         """Keep a block before the first usable checkpoint: windows reach back to it."""
-        if self._past and int(block.first_sample) != _block_end(self._past[-1]):
+        if not self._past or int(block.first_sample) != _block_end(latest):
             self._past.clear()
+            self._before_gap = latest
         self._past.append(block)
         while _block_end(block) - _block_end(self._past[0]) > _REACH * block.sample_rate:
             self._past.popleft()
+            self._before_gap = None
 
     def _window_before(self, sample: int, run: DiagnosisRun) -> list[Any] | None:
         """Return the blocks before a checkpoint that the next verdict needs; None if not all."""

@@ -199,17 +199,10 @@ def test_a_verdict_that_nobody_makes_again_is_different(run: Path, tmp_path: Pat
     assert diagnosis.first_difference == '/diagnosis at sample 1: not made again'
 
 
-@pytest.mark.parametrize('joint', ['silent', 'begins', 'steady', 'moves'])
-def test_a_joint_that_is_silent_or_moves_makes_no_sound_recording_differ(
-    joint: str, tmp_path: Path
-) -> None:
-    run = DiagnosisRun(read_values(SPECS, {'joint': 'shaft', 'shaft_hz': 25.0}))
-    simulator = Simulator(preset('incipient', defect='inner'))
-    speeds = {'silent': [], 'begins': [math.nan] * 50, 'steady': [], 'moves': [25.2, 25.3] * 100}
-    rest = math.nan if joint == 'silent' else 25.3
-    speeds = [*speeds[joint], *[rest] * 150][:150]
-    with RecordingWriter(tmp_path / 'run') as writer:
-        for number, hz in enumerate(speeds):
+def record(path: Path, run: DiagnosisRun, simulator: Simulator, speeds: dict[int, float]) -> None:
+    """Record a diagnosis of numbered blocks of a sensor; ``speeds`` are those of a joint, Hz."""
+    with RecordingWriter(path) as writer:
+        for number, hz in speeds.items():
             samples = floats(simulator.advance(1024, 40.0, 25.3).y)
             stamp = number * samples_ns(1024, 25600.0)
             message = Vibration(
@@ -225,10 +218,32 @@ def test_a_joint_that_is_silent_or_moves_makes_no_sound_recording_differ(
                 writer.write(
                     each.topic, each.type_name, each.cdr, log_time=stamp, publish_time=stamp
                 )
+
+
+@pytest.mark.parametrize('joint', ['silent', 'begins', 'steady', 'moves'])
+def test_a_joint_that_is_silent_or_moves_makes_no_sound_recording_differ(
+    joint: str, tmp_path: Path
+) -> None:
+    run = DiagnosisRun(read_values(SPECS, {'joint': 'shaft', 'shaft_hz': 25.0}))
+    simulator = Simulator(preset('incipient', defect='inner'))
+    speeds = {'silent': [], 'begins': [math.nan] * 50, 'steady': [], 'moves': [25.2, 25.3] * 100}
+    rest = math.nan if joint == 'silent' else 25.3
+    speeds = [*speeds[joint], *[rest] * 150][:150]
+    record(tmp_path / 'run', run, simulator, dict(enumerate(speeds)))
     diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
     assert diagnosis == Agreement(identical=6 - diagnosis.skipped, skipped=diagnosis.skipped)
     # The speed of each block is known where it is the nameplate's, or one for all.
     assert (diagnosis.skipped == 0) == (joint in {'silent', 'steady'})
+
+
+def test_blocks_that_a_source_left_out_make_no_sound_recording_differ(tmp_path: Path) -> None:
+    run = DiagnosisRun(read_values(SPECS, {'shaft_hz': 25.0}))
+    simulator = Simulator(preset('incipient', defect='inner'))
+    # The checkpoint after 10 s comes before the first verdict on the samples after the gap.
+    numbers = (*range(240), *range(245, 330))
+    record(tmp_path / 'run', run, simulator, dict.fromkeys(numbers, math.nan))
+    diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
+    assert diagnosis == Agreement(identical=9 + 3)
 
 
 def test_a_missing_block_costs_the_verdicts_on_it(run: Path, tmp_path: Path) -> None:
