@@ -7,6 +7,7 @@ import doctest
 import math
 
 from bearing_twin.bearing import find_bearing, PLACES
+from bearing_twin.diagnosis.machine.held import Pace
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.result import insufficient
 from bearing_twin.dynamics.single.condition import Condition
@@ -50,7 +51,7 @@ def verdict(result, level, *, place='', score=8.0):
 
 def said(trend, found):
     """Return the message about a window after those that the trend has seen."""
-    held = trend.update(found, SOURCE, wanted=100, hold=3, full=True)
+    held = trend.update(found, SOURCE, wanted=100, pace=Pace(), full=True)
     return messages.diagnosis_message(held, stamp=0, frame_id='', bearing='6307')
 
 
@@ -80,7 +81,7 @@ def test_before_a_full_window_only_its_own_level_is_known():
     from bearing_twin_msgs.msg import Diagnosis
 
     found = verdict('inner', 'fault', place='inner')
-    cold = Trend().update(found, SOURCE, wanted=100, hold=3, full=False)
+    cold = Trend().update(found, SOURCE, wanted=100, pace=Pace(), full=False)
     message = messages.diagnosis_message(cold, stamp=0, frame_id='', bearing='6307')
     assert (message.level, message.window_level) == (Diagnosis.LEVEL_NONE, Diagnosis.LEVEL_FAULT)
 

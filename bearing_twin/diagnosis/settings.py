@@ -50,8 +50,10 @@ class DiagnosisSettings:
         8.0, 'Span over which windows are averaged; at least the window.', 's', 1.0, 600.0
     )
     hold_updates: int = quantity(
-        3, 'Equal verdicts in a row before the level rises or falls.', '', 1, 1000
-    )
+        3,
+        'Verdicts in a row before a level rises or an answer changes; the least before it falls.',
+        '', 1, 1000,
+    )  # fmt: skip
     baseline_windows: int = quantity(
         60,
         'Healthy windows from which the baseline of the asset is learnt; at least 10 snapshots of '
@@ -78,8 +80,13 @@ class DiagnosisSettings:
     series_snapshot: float = quantity(
         1.0, 'Length of a snapshot of a series; a gap may cut it short.', 's', 0.05, LONGEST_WINDOW
     )
-    series_hold: float = quantity(
-        3600.0, 'Time for which a series must be low before its alarm ends.', 's', 0.0, 1e8
+    longest_hold: float = quantity(
+        3600.0,
+        'Time without its level after which an alarm ends; that of a stream ends earlier if it '
+        'has not come back and the windows are clear.',
+        's',
+        0.0,
+        1e8,
     )
 
     @property

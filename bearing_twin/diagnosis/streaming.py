@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import check_geometry
 from bearing_twin.diagnosis.chain import Excerpt, is_simulated, Stretch
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
+from bearing_twin.diagnosis.machine.held import Pace
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.shaft import SpeedProfile
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 15
+_VERSION = 16
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
 """Largest relative rounding of the time between updates."""
@@ -150,6 +151,12 @@ class Cut(NamedTuple):
         return self.stretch * self.update
 
 
+def _pace(settings: DiagnosisSettings) -> Pace:
+    """Return how the verdicts of a stream follow each other, and how long a level is held."""
+    span = settings.memory if settings.averages else settings.window
+    return Pace(settings.hold_updates, settings.update_interval, span, settings.longest_hold)
+
+
 class StreamingDiagnoser:
     """
     Sliding-window diagnosis of one axis of one sensor.
@@ -159,7 +166,8 @@ class StreamingDiagnoser:
     new window begins after a gap in ``first_sample``, after an index that runs backwards (a
     restarted source), and at another sample rate; the next diagnosis gives the reason. Rates that
     differ by less than 0.01 % count as the rate of the first block. The ``level`` of the diagnoses
-    is held: it changes only after ``settings.hold_updates`` equal verdicts.
+    is held: it rises after ``settings.hold_updates`` verdicts, and falls when the machine has
+    changed (:class:`bearing_twin.diagnosis.machine.held.HeldLevel`).
 
     Baseline and trend belong to one source: sensor, bearing, unit and sample rate. Windows of
     another source have a separate baseline and say so. The first baseline is kept until its source
@@ -347,9 +355,8 @@ class StreamingDiagnoser:
             found,
             source,
             wanted=settings.baseline_windows,
-            hold=settings.hold_updates,
+            pace=_pace(settings),
             full=full,
-            interval=settings.update_interval,
         )
 
     def save(self) -> bytes:

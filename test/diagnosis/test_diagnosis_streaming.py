@@ -8,6 +8,7 @@ import math
 from bearing_twin.bearing import find_bearing
 from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.diagnosis.machine.held import HeldLevel
 from bearing_twin.diagnosis.machine.trend import HeldAnswer, Trend
 from bearing_twin.diagnosis.series.monitor import SeriesMonitor
 from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
@@ -332,9 +333,9 @@ def test_damaged_states_are_refused_and_leave_the_state_alone():
     [
         {'measure': len(MEASURES)},
         {'measure': -1},
-        {'level': 'fault', 'answer': asdict(HeldAnswer('broken'))},
-        {'level': 'fault', 'answer': asdict(HeldAnswer('outer', ['broken']))},
-        {'level': 'fault'},
+        {'held': asdict(HeldLevel('fault')), 'answer': asdict(HeldAnswer('broken'))},
+        {'held': asdict(HeldLevel('fault')), 'answer': asdict(HeldAnswer('outer', ['broken']))},
+        {'held': asdict(HeldLevel('fault'))},
         {'answer': asdict(HeldAnswer('outer', ['outer']))},
     ],
 )

@@ -36,7 +36,7 @@ def test_snapshots_hours_apart_are_one_series(nodes, probe):
         'diagnosis',
         {
             'bearing': '6307', 'series_cycle': 3600.0 * HOURS, 'series_snapshot': SECONDS,
-            'baseline_windows': 10, 'series_hold': 3600.0 * HOURS,
+            'baseline_windows': 10, 'longest_hold': 3600.0 * HOURS,
         },
     )  # fmt: skip
     numbers = count()

@@ -89,7 +89,7 @@ def _settings(args: argparse.Namespace) -> DiagnosisSettings:
     with refused():
         return DiagnosisSettings(
             baseline_windows=args.baseline,
-            series_hold=args.hold,
+            longest_hold=args.hold,
             power_group=args.power_group,
             mounting=args.mounting,
         )

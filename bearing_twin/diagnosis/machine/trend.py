@@ -8,9 +8,10 @@ from dataclasses import asdict, dataclass, field, replace
 import math
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.bearing import FAULT_CODES
+from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.machine.baseline import Memory
 from bearing_twin.diagnosis.machine.dependence import Condition, KNOWN_DB, Z90
+from bearing_twin.diagnosis.machine.held import HeldLevel
 from bearing_twin.diagnosis.machine.level import (
     FALLEN,
     FAULT_DB,
@@ -27,6 +28,7 @@ from bearing_twin.quantity import signed
 import numpy as np
 
 if TYPE_CHECKING:
+    from bearing_twin.diagnosis.machine.held import Pace
     from bearing_twin.diagnosis.result import Diagnosis
 
 
@@ -139,12 +141,7 @@ class Trend:
     """Index in :data:`MEASURES` of the measure furthest over the baseline."""
     source: Source = field(default_factory=Source)
     """Source of the levels; its sample rate is 0 before the first window."""
-    level: str = ''
-    """Held level; empty before the first verdict."""
-    pending: str = ''
-    """Other level that the last verdicts had."""
-    pending_count: int = 0
-    """Number of verdicts in a row with that level."""
+    held: HeldLevel = field(default_factory=HeldLevel)
     answer: HeldAnswer = field(default_factory=HeldAnswer)
     """Held answer at the held level."""
     other: HeldAnswer = field(default_factory=HeldAnswer)
@@ -155,7 +152,7 @@ class Trend:
     def __post_init__(self) -> None:
         """Refuse a saved trend with an unknown measure or answer."""
         words = {self.answer.result, *self.answer.faults} - {''}
-        sound = bool(self.answer.result) == bool(self.level) and words <= FAULT_CODES.keys()
+        sound = bool(self.answer.result) == bool(self.held.level) and words <= FAULT_CODES.keys()
         if not (sound and 0 <= self.measure < len(MEASURES)):
             msg = 'saved trend holds an answer or a measure that there is not; start without it'
             raise BearingTwinError(msg)
@@ -170,9 +167,8 @@ class Trend:
         source: Source,
         *,
         wanted: int,
-        hold: int,
+        pace: Pace,
         full: bool,
-        interval: float = 1.0,
     ) -> Diagnosis:
         """
         Take a diagnosis; return it with the level over the baseline, stage and held answer.
@@ -185,22 +181,21 @@ class Trend:
             Source of the window, which the trend :meth:`takes`.
         wanted
             Number of healthy windows in a baseline, which is then kept as it is.
-        hold
-            Number of equal verdicts in a row before level or answer change.
+        pace
+            How verdicts follow each other, and how long a level is held. An answer at the held
+            level changes after ``pace.updates`` equal verdicts in a row.
         full
             Whether the window is full. The first full window sets the level at once.
-        interval
-            Time since the window before, s.
 
         """
         severity = diagnosis.severity
         if not severity.rms > 0.0:
-            return self._shown(diagnosis, hold, full)
+            return self._shown(diagnosis, pace, full)
         levels, memory = monitored_levels(severity), self.memory
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.source.sample_rate:
             self.source = source
-        self.judged += interval
+        self.judged += pace.interval
         if memory.base is None:
             alone = with_required_level(diagnosis).level
             self.doubtful += full and alone in ('suspect', 'fault')
@@ -208,16 +203,16 @@ class Trend:
             # If no fault could show, the level is as good as that of a healthy window.
             silent = full and alone == 'none' and diagnosis.rule in NOTHING_SHOWS
             # A healthy window among faulty ones is of a damaged machine.
-            if (alone == 'ok' or silent) and (louder or self.level in ('', 'ok')):
+            if (alone == 'ok' or silent) and (louder or self.held.is_low(pace)):
                 self.count += 1
                 if memory.learn(self.judged, levels, now, wanted, _MOST_OVER_DB):
                     memory.windows.clear()
         own = with_required_level(self._compared(diagnosis, levels, now, wanted))
         if full:
             self.minute.append([*now, *levels])
-            if len(self.minute) >= max(round(60.0 / interval), 1):
+            if len(self.minute) >= max(round(60.0 / pace.interval), 1):
                 self._take_minute(healthy=own.level == 'ok')
-        return self._shown(own, hold, full)
+        return self._shown(own, pace, full)
 
     def _compared(
         self, diagnosis: Diagnosis, levels: list[float], now: Condition, wanted: int
@@ -277,13 +272,14 @@ class Trend:
         asks = any(named < limit <= highest for limit in (SUSPECT_DB, FAULT_DB))
         return most if clear or asks else self.measure
 
-    def _shown(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
+    def _shown(self, own: Diagnosis, pace: Pace, full: bool) -> Diagnosis:
         """Return the shown diagnosis; a single window without information changes no answer."""
         # But a machine that stands still, or a dead sensor, is reported at once.
         fallen = own.severity.level_over_baseline <= -FAULT_DB
-        stands = self.level in ('suspect', 'fault') or (self.level == 'ok' and not fallen)
+        level = self.held.level
+        stands = level in ('suspect', 'fault') or (level == 'ok' and not fallen)
         held = own.level != 'none' or stands
-        shown = with_fault_stage(self._held(own, hold, full) if held else own)
+        shown = with_fault_stage(self._held(own, pace, full) if held else own)
         stage = shown.severity.stage
         if own.level == shown.level:
             self.answer = replace(self.answer, stage=stage)
@@ -310,19 +306,17 @@ class Trend:
             scatter = 1.4826 * float(np.median(np.abs(np.array(floors) - floor)))
             self.rise.add(levels[0] - law.correct(now, base)[0] - floor, scatter)
 
-    def _held(self, own: Diagnosis, hold: int, full: bool) -> Diagnosis:
+    def _held(self, own: Diagnosis, pace: Pace, full: bool) -> Diagnosis:
         """Return the diagnosis of a window with the held level and answer."""
-        if not self.level and not full:
+        held, hold = self.held, pace.updates
+        if not held.level and not full:
             # The first full window sets the level; before it the level is unknown.
             return replace(own, level='none', window=(own.result, own.level))
         newest = HeldAnswer.of(own)
         # Without information a fault is held for as long as that lasts, any other answer for a
         # while.
-        known = own.level != 'none' or self.level == 'suspect'
-        before, level = self.level, self._hold(own.level, hold) if known else self.level
-        if level == 'none':
-            self.level, self.answer = '', HeldAnswer()
-            return own
+        known = own.level != 'none' or held.level == 'suspect'
+        before, level = held.level, held.take(own.level, pace) if known else held.level
         if not known and level == 'ok':
             if self._another(newest, hold):
                 return own
@@ -334,14 +328,7 @@ class Trend:
         answer = self.answer
         if own.level == level and newest.same(answer):
             return own
-        count, words = self.other_count, str(newest)
-        if own.level != level:
-            count = self.pending_count if known else self.other_count
-            words = f'{newest}, {own.level}'
-        text = f'{answer}, {level} held: '
-        nothing = 'this window tells nothing; after a repair reset the diagnosis'
-        lasts = not known and level == 'fault'
-        text += nothing if lasts else f'{count} of {hold} verdicts say {words}'
+        text = f'{answer}, {level} held: {self._why_held(newest, own.level, pace)}'
         return replace(
             own,
             result=answer.result,
@@ -354,23 +341,29 @@ class Trend:
             window=(own.result, own.level),
         )
 
+    def _why_held(self, newest: HeldAnswer, level: str, pace: Pace) -> str:
+        """Say why another answer, with its level, is not shown."""
+        held = self.held
+        if level == 'none' and held.level == 'fault':
+            return 'this window tells nothing; after a repair reset the diagnosis'
+        if level == held.level:
+            return f'{self.other_count} of {pace.updates} verdicts say {newest}'
+        count = self.other_count
+        if LEVELS.index(level) > LEVELS.index(held.level):
+            count = held.in_a_row(level)
+        elif held.level != 'ok':
+            why = ', as it has come back' if held.returned else ''
+            return (
+                f'{held.quiet:.4g} of {held.wait(pace):.4g} s without it{why}; '
+                f'the newest verdict says {newest}, {level}'
+            )
+        return f'{count} of {pace.updates} verdicts say {newest}, {level}'
+
     def _another(self, answer: HeldAnswer, hold: int) -> bool:
         """Count another answer at the held level; return whether it becomes the held one."""
         self.other_count = self.other_count + 1 if answer.same(self.other) else 1
         self.other = answer
         return self.other_count >= hold
-
-    def _hold(self, level: str, hold: int) -> str:
-        if not self.level:
-            self.level = level
-        if level == self.level:
-            self.pending, self.pending_count = '', 0
-            return level
-        self.pending_count = self.pending_count + 1 if level == self.pending else 1
-        self.pending = level
-        if self.pending_count >= hold:
-            self.level, self.pending, self.pending_count = level, '', 0
-        return self.level
 
     def values(self) -> dict[str, Any]:
         """Return the fields as plain values for saving."""

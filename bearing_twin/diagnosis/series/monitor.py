@@ -398,7 +398,7 @@ class SeriesMonitor:
     def _hold(self, time: float, wanted: str) -> None:
         """Update the held level, its place and rule; if an alarm ends, forget its envelopes."""
         kept, before = self._kept, self._kept.held
-        if kept.hold(time, wanted, self._settings.series_hold):
+        if kept.hold(time, wanted, self._settings.longest_hold):
             self._loud.clear()
         if LEVELS.index(kept.answers.level) >= LEVELS.index(kept.held):
             kept.place, kept.doubt = kept.answers.place, kept.answers.doubt

@@ -15,6 +15,7 @@ from bearing_twin.diagnosis.machine.dependence import (
     Slope,
     Z90,
 )
+from bearing_twin.diagnosis.machine.held import Pace
 from bearing_twin.diagnosis.machine.level import with_required_level
 from bearing_twin.diagnosis.machine.onset import DECISION_DB, Rise
 from bearing_twin.diagnosis.machine.trend import Source, Trend
@@ -149,7 +150,9 @@ def live(readings, trend=None):
     """Run verdicts, one a minute, through a trend."""
     trend = trend or Trend()
     return trend, [
-        trend.update(said(*reading), MACHINE, wanted=5, hold=1, full=True, interval=60.0)
+        trend.update(
+            said(*reading), MACHINE, wanted=5, pace=Pace(updates=1, interval=60.0), full=True
+        )
         for reading in readings
     ]
 

@@ -7,6 +7,7 @@ import math
 
 from bearing_twin.bearing import fault_orders, find_bearing, next_step
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
+from bearing_twin.diagnosis.machine.held import Pace
 from bearing_twin.diagnosis.machine.level import with_fault_stage, with_required_level
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.result import insufficient
@@ -147,7 +148,7 @@ def test_the_zone_raises_the_level_of_a_record():
 
 def _answers(verdicts):
     trend = Trend()
-    return [trend.update(v, MACHINE, wanted=60, hold=3, full=True) for v in verdicts]
+    return [trend.update(v, MACHINE, wanted=60, pace=Pace(), full=True) for v in verdicts]
 
 
 def test_one_other_window_does_not_undo_a_standing_answer_and_stays_visible():
@@ -172,9 +173,9 @@ def test_windows_that_disagree_among_themselves_change_the_level_all_the_same():
 
 def test_no_level_is_known_before_the_first_full_window():
     trend, fault = Trend(), said('inner', 'fault', 'inner')
-    early = trend.update(fault, MACHINE, wanted=60, hold=3, full=False)
+    early = trend.update(fault, MACHINE, wanted=60, pace=Pace(), full=False)
     assert (early.result, early.level) == ('inner', 'none')
-    assert trend.update(fault, MACHINE, wanted=60, hold=3, full=True).level == 'fault'
+    assert trend.update(fault, MACHINE, wanted=60, pace=Pace(), full=True).level == 'fault'
     assert restored(Trend, trend.values()) == trend
 
 
@@ -218,7 +219,7 @@ def test_a_healthy_answer_stands_over_single_windows_that_tell_nothing():
 
 @pytest.mark.parametrize(('rule', 'level'), [('run_together', 'fault'), ('few_steps', 'none')])
 def test_windows_in_which_no_fault_could_show_teach_the_level(rule, level):
-    trend, known = Trend(), {'wanted': 5, 'hold': 3, 'full': True}
+    trend, known = Trend(), {'wanted': 5, 'pace': Pace(), 'full': True}
     for _ in range(8):
         trend.update(replace(said('insufficient', 'none'), rule=rule), MACHINE, **known)
     shown = [
@@ -229,7 +230,7 @@ def test_windows_in_which_no_fault_could_show_teach_the_level(rule, level):
 
 
 def test_a_named_fault_far_below_the_baseline_is_no_dead_sensor():
-    trend, known = Trend(), {'wanted': 5, 'hold': 1, 'full': True}
+    trend, known = Trend(), {'wanted': 5, 'pace': Pace(updates=1), 'full': True}
     for _ in range(6):
         trend.update(said('healthy', 'ok'), MACHINE, **known)
     quiet = trend.update(said('inner', 'fault', 'inner', rms=0.2), MACHINE, **known)
@@ -239,7 +240,7 @@ def test_a_named_fault_far_below_the_baseline_is_no_dead_sensor():
 
 def test_a_signal_far_below_its_baseline_is_not_ok():
     trend = Trend()
-    known = {'wanted': 5, 'hold': 3, 'full': True}
+    known = {'wanted': 5, 'pace': Pace(), 'full': True}
     for _ in range(6):
         assert trend.update(said('healthy', 'ok'), MACHINE, **known).level == 'ok'
     # A dead sensor has noise of its own, and no combs.
@@ -336,7 +337,7 @@ def test_the_baseline_is_of_the_temperatures_that_were_known():
     for number in range(100):
         heat = math.nan if number < 50 else 20.0 + 4.0 * (number % 10)
         window = replace(said('healthy', 'ok'), temperature=heat)
-        trend.update(window, MACHINE, wanted=100, hold=3, full=True)
+        trend.update(window, MACHINE, wanted=100, pace=Pace(), full=True)
     assert trend.memory.at == pytest.approx((38.0, math.log2(25.0)))
 
 
@@ -346,7 +347,7 @@ def test_a_temperature_that_creeps_is_waited_for_half_an_hour_at_any_rate_of_upd
     while trend.memory.base is None:
         updates += 1
         window = replace(said('healthy', 'ok'), temperature=40.0 + 0.1 * updates)
-        trend.update(window, MACHINE, wanted=60, hold=3, full=True, interval=interval)
+        trend.update(window, MACHINE, wanted=60, pace=Pace(interval=interval), full=True)
     assert (updates - 1) * interval == pytest.approx(1800.0, abs=interval)
 
 
@@ -403,7 +404,7 @@ def _minutes(seed, rises):
         window = said('healthy', 'ok')
         bands = tuple(10.0 ** (levels / 20.0))
         window = replace(window, severity=replace(window.severity, band_rms=bands))
-        found.append(trend.update(window, MACHINE, wanted=60, hold=3, full=True))
+        found.append(trend.update(window, MACHINE, wanted=60, pace=Pace(), full=True))
     return trend, found
 
 

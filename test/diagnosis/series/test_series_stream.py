@@ -37,7 +37,7 @@ def packed(values, arrays):
 
 
 CYCLE_SETTINGS = DiagnosisSettings(
-    series_cycle=600.0, series_snapshot=0.5, baseline_windows=20, series_hold=1200.0
+    series_cycle=600.0, series_snapshot=0.5, baseline_windows=20, longest_hold=1200.0
 )
 
 

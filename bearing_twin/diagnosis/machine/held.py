@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Held level of a stream: rises within a few verdicts, falls when silence tells of a change."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass, field
+import itertools
+import math
+from typing import NamedTuple
+
+from bearing_twin.bearing import LEVELS
+from bearing_twin.errors import BearingTwinError
+
+
+class Pace(NamedTuple):
+    """How verdicts follow each other, and how long a level is held."""
+
+    updates: int = 3
+    """Verdicts in a row before a level rises, and the least number before it falls."""
+    interval: float = 1.0
+    """Time between verdicts, s."""
+    span: float = 8.0
+    """Time that one verdict looks back over, s. Verdicts farther apart share no samples."""
+    longest: float = 3600.0
+    """Time without a level after which it falls in any case, s."""
+
+
+def _log_beta(a: float, b: float) -> float:
+    return math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
+
+
+@dataclass
+class HeldLevel:
+    """
+    Level of a machine that may be at the edge of a rule. Its fields are values that can be saved.
+
+    A steady machine at the edge asks for a level in a share p of its windows. Windows that do not
+    ask, in a row, are then its usual pauses, and no recovery. The level falls after a pause that
+    such a machine makes in less than one of ``longest / span`` windows, so at most once in the
+    time ``longest``. Any p is as likely before; the window that raised the level is why one counts
+    and tells nothing of p. From a further windows that asked and b that did not, T in a row
+    without the level have the probability B(a + 1, b + 1 + T) / B(a + 1, b + 1), B the beta
+    function: Laplace's rule of succession.
+
+    A machine whose load comes and goes has no such p. So a level that rises within ``longest``
+    after one has fallen is held until the whole time ``longest`` has passed without it. The first
+    verdict sets the level at once; until ``updates`` verdicts have asked for it, as many end it.
+
+    Examples
+    --------
+    >>> held, pace = HeldLevel(), Pace()
+    >>> [held.take(level, pace) for level in ['ok', 'fault', 'fault', 'fault']]
+    ['ok', 'ok', 'ok', 'fault']
+    >>> _ = [held.take('fault', pace) for _ in range(57)]
+    >>> held.wait(pace), [held.take('ok', pace) for _ in range(60)].index('ok')
+    (33.0, 32)
+
+    """
+
+    level: str = ''
+    """Held level; empty before the first verdict."""
+    newest: list[str] = field(default_factory=list)
+    """Levels of the newest verdicts."""
+    asked: float = 0.0
+    """Time for which verdicts have asked for the level, or a higher one, since it rose, s."""
+    paused: float = 0.0
+    """Time for which they did not, before the present pause, s."""
+    quiet: float = 0.0
+    """Length of the present pause, s."""
+    since_fall: float = math.inf
+    """Time since a level fell, s."""
+    returned: bool = False
+    """Whether the level rose within the longest hold after a fall."""
+
+    def __post_init__(self) -> None:
+        """Refuse a saved level that there is not."""
+        times = (self.asked, self.paused, self.quiet, self.since_fall)
+        known = {self.level or 'ok', *self.newest} <= {*LEVELS}
+        if not (known and all(time >= 0.0 for time in times)):
+            raise BearingTwinError(f'saved level is {self!r:.200}; use what save() returned')
+
+    def take(self, level: str, pace: Pace) -> str:
+        """Take the level of a verdict and return the held one."""
+        self.newest = [*self.newest, level][-pace.updates :]
+        self.since_fall += pace.interval
+        full, ranks = len(self.newest) == pace.updates, [LEVELS.index(it) for it in self.newest]
+        held = LEVELS.index(self.level) if self.level else -1
+        if not self.level or (full and ranks[-1] == min(ranks) > held):
+            self.returned = self.since_fall < pace.longest
+            self._set(level, pace)
+        elif ranks[-1] >= held:
+            self.asked += pace.interval
+            self.paused, self.quiet = self.paused + self.quiet, 0.0
+        else:
+            self.quiet += pace.interval
+            if full and ranks[-1] == max(ranks) and self.quiet >= self.wait(pace):
+                self._set(level, pace)
+                self.since_fall = 0.0
+        return self.level
+
+    def in_a_row(self, level: str) -> int:
+        """Return how many of the newest verdicts in a row ask for a level or a higher one."""
+        lower = LEVELS[: LEVELS.index(level)]
+        asks = (each not in lower for each in reversed(self.newest))
+        return sum(1 for _ in itertools.takewhile(bool, asks))
+
+    def _set(self, level: str, pace: Pace) -> None:
+        self.level, self.asked = level, len(self.newest) * pace.interval
+        self.paused = self.quiet = 0.0
+
+    def wait(self, pace: Pace) -> float:
+        """Return the length of a pause after which the level falls, s."""
+        least = pace.updates * pace.interval
+        if self.returned:
+            return max(pace.longest, least)
+        if self.asked < least:
+            return least
+        most = math.ceil(pace.longest / pace.interval)
+        enough = bisect_left(
+            range(most), True, key=lambda count: self._is_change(count * pace.interval, pace)
+        )
+        return max(enough * pace.interval, least)
+
+    def _is_change(self, pause: float, pace: Pace) -> bool:
+        """Return whether a steady machine makes such a pause less than once in the hold."""
+        span, longest = pace.span, pace.longest
+        a, b = max(self.asked / span, 1.0), 1.0 + self.paused / span
+        return _log_beta(a, b + pause / span) - _log_beta(a, b) <= math.log(span / longest)
+
+    def is_low(self, pace: Pace) -> bool:
+        """Return whether the newest verdicts are all *ok*, whatever level is held."""
+        least = pace.updates * pace.interval
+        low = set(self.newest) <= {'ok', 'none'} and self.quiet >= least
+        return self.level in ('', 'none', 'ok') or low
