@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.calibration.answer.estimates import (
-    assumed_quantities,
+    of_candidates,
     of_defect,
     of_path,
     of_slip,
@@ -312,8 +312,8 @@ def _fitted(
             statement = f'no width: {refusal.why}'
     else:
         width, statement = without_defect(x, situation, scale, unit, seed, refusal)
-        assumed = assumed_quantities(left.values, left.weights, situation)
-        quantities |= {'defect_width_mm': width, **assumed}
+        why = 'the vibration of a bearing without a race defect does not tell it'
+        quantities |= of_candidates(left, why) | {'defect_width_mm': width}
     fitted = path.filter(seed).apply(twin)[len(path.denominator) :]
     machine, own, other = (
         band_levels(y, situation.sample_rate) for y in (x, fitted, before / scale)

@@ -19,10 +19,7 @@ from bearing_twin.calibration.answer.refusals import Kind, Refusal
 from bearing_twin.calibration.answer.result import Estimate
 from bearing_twin.calibration.candidates.cloud import MOST_SLIP, unknowns
 from bearing_twin.calibration.candidates.passage import interference, path_curvature, widest
-from bearing_twin.calibration.candidates.posterior import (
-    longest_unresolved_spacing,
-    weighted_quantile,
-)
+from bearing_twin.calibration.candidates.posterior import longest_unresolved_spacing
 from bearing_twin.calibration.measured.path import noise_floor
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 import numpy as np
@@ -111,15 +108,31 @@ def of_defect(
     (False, 0.0, 'ringing hides it')
 
     """
-    why = 'its intervals held the true value too rarely in simulation'
+    quantities = of_candidates(left, 'its intervals held the true value too rarely in simulation')
+    width = quantities['defect_width_mm']
+    quantities['defect_width_mm'] = _width(width, situation, measured, refusal)
+    return quantities
+
+
+def of_candidates(left: Posterior, why: str) -> dict[str, Estimate]:
+    """
+    Return each quantity as the kept candidates have it, not identifiable because of ``why``.
+
+    Examples
+    --------
+    >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.candidates.posterior import from_prior
+    >>> load = of_candidates(from_prior(example('none'), 0), 'it is assumed')['load']
+    >>> load.identifiable, load.unit
+    (False, 'N')
+
+    """
     quantities = {}
     for name, about in left.prior.items():
         low, median, high = (float(v) for v in left.quantiles(name))
         quantities[name] = Estimate(
             q05=low, median=median, q95=high, unit=about.unit, identifiable=False, why=why
         )
-    width = quantities['defect_width_mm']
-    quantities['defect_width_mm'] = _width(width, situation, measured, refusal)
     return quantities
 
 
@@ -286,34 +299,3 @@ def without_defect(
         why += 'assumed'
     width = Estimate(q05=0.0, median=0.0, q95=largest, unit='mm', identifiable=False, why=why)
     return width, statement
-
-
-def assumed_quantities(
-    values: dict[str, FloatArray], weights: FloatArray, situation: Situation
-) -> dict[str, Estimate]:
-    """
-    Return the quantities of a bearing without a race defect, as they were assumed.
-
-    ``values`` has one value per candidate for each unknown, ``weights`` one weight, shape (n,).
-
-    Examples
-    --------
-    >>> from bearing_twin.calibration.candidates.cloud import example
-    >>> machine = example('none')
-    >>> share = np.linspace(0.0, 1.0, 101)
-    >>> values = {name: about.place(share) for name, about in unknowns(machine).items()}
-    >>> load = assumed_quantities(values, np.full(101, 1 / 101), machine)['load']
-    >>> load.identifiable, load.unit
-    (False, 'N')
-
-    """
-    quantities = {}
-    for name, about in unknowns(situation).items():
-        if name != 'defect_width_mm':
-            at = weighted_quantile(values[name], weights, (0.05, 0.5, 0.95))
-            quantities[name] = Estimate(
-                q05=float(at[0]), median=float(at[1]), q95=float(at[2]), unit=about.unit,
-                identifiable=False,
-                why='the vibration of a bearing without a race defect does not tell it',
-            )  # fmt: skip
-    return quantities
