@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 import math
 
 from bearing_twin.dynamics import preset
@@ -15,21 +14,13 @@ from bearing_twin.paper.settings import COLD, HOT
 import numpy as np
 
 
-@dataclass(frozen=True, kw_only=True)
-class EquationRow:
-    """One equation and its value."""
+def equation_table() -> list[tuple[str, str, str, str]]:
+    """
+    Evaluate equations 1 to 25.
 
-    number: int
-    quantity: str
-    """Quantity that it defines."""
-    reading: str
-    """Reading, if the printed form makes no sense; empty if as printed."""
-    value: str
-    """Its value, with unit."""
-
-
-def equation_table() -> list[EquationRow]:
-    """Evaluate equations 1 to 25."""
+    Returns the number of each, the quantity that it defines, how it is read, and its value with
+    unit.
+    """
     bearing, shaft = settings.BEARING, settings.SHAFT_HZ
     p = preset('paper', bearing=bearing)
     y = static_position(p)
@@ -117,6 +108,6 @@ def equation_table() -> list[EquationRow]:
         ('force with all factors', single, static('all')),
     ]
     return [
-        EquationRow(number=number, quantity=quantity, reading=reading, value=value)
+        (str(number), quantity, reading or 'as printed', value)
         for number, (quantity, reading, value) in enumerate(rows, start=1)
     ]

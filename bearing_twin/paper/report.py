@@ -64,7 +64,7 @@ def render_report(claims: Sequence[Claim]) -> str:
         '## Claims',
         claims_table(claims),
         '## Equations',
-        _equations(),
+        _table(['no.', 'quantity', 'reading, case', 'value'], equation_table()),
         '## Tables',
         _tables(),
         '## Figures',
@@ -94,14 +94,6 @@ def _settings_text() -> str:
         'each step are decimated. '
         f'For the static formula the approach is {settings.APPROACH * 1e6:g} µm.'
     )
-
-
-def _equations() -> str:
-    rows = (
-        [str(row.number), row.quantity, row.reading or 'as printed', row.value]
-        for row in equation_table()
-    )
-    return _table(['no.', 'quantity', 'reading, case', 'value'], rows)
 
 
 def _tables() -> str:
