@@ -112,7 +112,7 @@ def _share(of: Sequence[Row], low: str, high: str, truth: str = 'width') -> floa
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Fit the machines that are not in the file yet, and print the tables."""
-    parser = arguments(sys.modules[__name__], writes=True)
+    parser = arguments(__name__, writes=True)
     parser.add_argument('count', type=int, nargs='?', default=100, help='of each simulated group')
     parser.add_argument('--data', type=Path, help='folder of the real recordings')
     parser.add_argument('--jobs', type=int, default=len(os.sched_getaffinity(0)))

@@ -9,7 +9,6 @@ reads as ``bearing_twin/diagnosis/detection_power.json`` and prints it (some min
 
 from __future__ import annotations
 
-import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
@@ -106,7 +105,7 @@ def simulate_table() -> dict[str, Any]:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Write the data file and print the table."""
-    args = arguments(sys.modules[__name__], writes=True).parse_args(argv)
+    args = arguments(__name__, writes=True).parse_args(argv)
     table = simulate_table()
     write_table(args.output, table)
     print_table(

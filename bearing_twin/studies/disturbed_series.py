@@ -12,7 +12,6 @@ for 300 snapshots of machines whose disturbances begin after 500 snapshots witho
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.series.newest import EARLIER, FEWEST, judged, LATELY, OFTEN
@@ -61,7 +60,7 @@ def alarmed(disturbed: NDArray[np.bool_], rule: tuple[int, int] | None = None) -
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print both tables."""
-    lives = arguments(sys.modules[__name__], lives=1000).parse_args(argv).lives
+    lives = arguments(__name__, lives=1000).parse_args(argv).lives
     rng = np.random.default_rng(0)
     rules = (*FIXED, None)
     heading = ('disturbed snapshots', *(f'{k} of {n}' for k, n in FIXED), 'that of series/newest')

@@ -16,7 +16,6 @@ true condition and by machine.
 from __future__ import annotations
 
 from collections import Counter
-import sys
 from typing import TYPE_CHECKING, TypeAlias
 
 from bearing_twin.bearing import PLACES
@@ -66,7 +65,7 @@ def study(cases: Iterable[int], model: str = 'twin') -> list[tuple[Machine, Diag
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the answers by condition and by machine."""
-    parser = arguments(sys.modules[__name__], cases=600)
+    parser = arguments(__name__, cases=600)
     parser.add_argument('model', choices=MODELS, nargs='?', default='twin')
     parser.add_argument('first', type=int, nargs='?', default=0)
     args = parser.parse_args(argv)

@@ -19,7 +19,6 @@ how many records are called pulses, and how many raise an alarm.
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
@@ -93,7 +92,7 @@ def measured(kind: str, number: int) -> tuple[float, bool] | None:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    args = arguments(sys.modules[__name__], records=200, first=0).parse_args(argv)
+    args = arguments(__name__, records=200, first=0).parse_args(argv)
     numbers = range(args.first, args.first + args.records)
     rows = []
     for kind in KINDS:

@@ -21,7 +21,6 @@ narrowest load zone, of e = 0.1.
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
@@ -96,7 +95,7 @@ def measured(spread: float, seed: int) -> float:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    args = arguments(sys.modules[__name__], records=40).parse_args(argv)
+    args = arguments(__name__, records=40).parse_args(argv)
     rows = []
     for spread in SPREADS:
         found = np.array([measured(spread, seed) for seed in range(args.records)])

@@ -13,7 +13,6 @@ lines of the outer race over the power in the range of its low multiples.
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
@@ -95,7 +94,7 @@ def share(number: int, *, damaged: bool) -> float | None:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    args = arguments(sys.modules[__name__], records=300, first=0).parse_args(argv)
+    args = arguments(__name__, records=300, first=0).parse_args(argv)
     numbers = range(args.first, args.first + args.records)
     rows = []
     for damaged in (False, True):

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-import sys
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing, PLACES
@@ -176,7 +175,7 @@ def _exceeded(reached: Sequence[Reached]) -> Iterator[tuple[str, ...]]:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the verdicts by length and what passes the thresholds."""
-    args = arguments(sys.modules[__name__], windows=3024, first=0).parse_args(argv)
+    args = arguments(__name__, windows=3024, first=0).parse_args(argv)
     answers: dict[float, Counter[str]] = {seconds: Counter() for seconds in SECONDS}
     reached = []
     for number in range(args.first, args.first + args.windows):

@@ -8,6 +8,7 @@ import argparse
 import inspect
 import json
 from pathlib import Path
+import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -16,19 +17,18 @@ from bearing_twin.wholefile import output_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-    from types import ModuleType
 
 
-def arguments(
-    module: ModuleType, *, writes: bool = False, **counts: int
-) -> argparse.ArgumentParser:
+def arguments(name: str, *, writes: bool = False, **counts: int) -> argparse.ArgumentParser:
     """
     Return the argument parser of a study that begins; from here on, freed memory is kept.
 
-    Its help is the docstring of the module. If the study ``writes``, the first argument is its
-    output file. ``counts`` are optional numbers after it, in this order, with their defaults.
+    Its help is the docstring of the module ``name``. If the study ``writes``, the first argument
+    is its output file. ``counts`` are optional numbers after it, in this order, with their
+    defaults.
     """
     keep_freed_memory()
+    module = sys.modules[name]
     parser = argparse.ArgumentParser(
         prog=f'python -m {module.__spec__.name if module.__spec__ else module.__name__}',
         description=inspect.cleandoc(module.__doc__ or ''),
@@ -36,8 +36,8 @@ def arguments(
     )
     if writes:
         parser.add_argument('output', type=_new_file, help='JSON file to write')
-    for name, default in counts.items():
-        parser.add_argument(name, type=int, nargs='?', default=default)
+    for count, default in counts.items():
+        parser.add_argument(count, type=int, nargs='?', default=default)
     return parser
 
 

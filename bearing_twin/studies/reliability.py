@@ -25,7 +25,6 @@ import itertools
 import json
 import os
 from pathlib import Path
-import sys
 from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
 from bearing_twin.diagnosis.rules.confidence import KINDS, share_right, shipped_weights, Trust
@@ -326,7 +325,7 @@ def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[Rated
 
 def _parser() -> argparse.ArgumentParser:
     """Return the parser of the arguments."""
-    parser = arguments(sys.modules[__name__], writes=True, twins=400, impacts=3000)
+    parser = arguments(__name__, writes=True, twins=400, impacts=3000)
     parser.add_argument('--fresh', type=int, nargs=2, default=(400, 8000))
     parser.add_argument(
         '--rules',

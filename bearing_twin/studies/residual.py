@@ -15,7 +15,6 @@ from __future__ import annotations
 import functools
 import math
 from pathlib import Path
-import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.residual import (
@@ -262,7 +261,7 @@ def real_runs(data: Path) -> Iterator[tuple[object, ...]]:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the tables."""
-    parser = arguments(sys.modules[__name__], machines=30)
+    parser = arguments(__name__, machines=30)
     parser.add_argument('--seed', type=int, default=1, help='of the healthy machines')
     parser.add_argument('--data', type=Path, help='folder that holds femto/')
     args = parser.parse_args(argv)

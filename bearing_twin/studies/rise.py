@@ -12,7 +12,6 @@ find a real one.
 from __future__ import annotations
 
 from itertools import product
-import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.machine.onset import DECISION_DB, REFERENCE_DB, Rise
@@ -52,7 +51,7 @@ def minutes_until(rng: np.random.Generator, height: float) -> int:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print both tables."""
-    machines = arguments(sys.modules[__name__], machines=100).parse_args(argv).machines
+    machines = arguments(__name__, machines=100).parse_args(argv).machines
     rng = np.random.default_rng(0)
     rows = []
     for wander, memory in product((0.8, 1.2), (5.0, 10.0, 20.0)):

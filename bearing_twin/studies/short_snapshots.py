@@ -12,7 +12,6 @@ part.
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, Comb, LEAST_AVERAGED
@@ -47,7 +46,7 @@ def averaged(number: int) -> tuple[str, Comb | None, Comb | None] | None:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table."""
-    args = arguments(sys.modules[__name__], records=400, first=0).parse_args(argv)
+    args = arguments(__name__, records=400, first=0).parse_args(argv)
     found = [averaged(number) for number in range(args.first, args.first + args.records)]
     rows = []
     for condition in CONDITIONS:

@@ -17,7 +17,6 @@ from dataclasses import replace
 from itertools import product
 import math
 from pathlib import Path
-import sys
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.machine.dependence import (
@@ -200,7 +199,7 @@ def _onset(times: np.ndarray, alarms: np.ndarray, correction: float) -> Onset:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the table that is asked for."""
-    parser = arguments(sys.modules[__name__])
+    parser = arguments(__name__)
     parser.add_argument('what', choices=('prior', 'coverage', 'runs'))
     parser.add_argument('data', type=Path, nargs='?', help='folder that holds femto/, for runs')
     args = parser.parse_args(argv)
