@@ -43,10 +43,11 @@ import numpy as np
 from scipy import fft
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from bearing_twin.bearing import Bearing
+    from bearing_twin.bearing import Bearing, FaultFrequencies
     from bearing_twin.diagnosis.combs.candidate import Candidate
+    from bearing_twin.diagnosis.result import Spectrum
     from bearing_twin.diagnosis.rules.verdict import Verdict
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
@@ -368,44 +369,26 @@ class Analysis:
                 severity=excerpt.severity(self.shaft_hz),
             )
         verdict, speed = self._verdict([*earlier, *self.before, window.orders], window)
-        settings, severity, shaft_hz = excerpt.settings, window.severity, speed.shaft_hz
-        smallest, reasons = math.nan, [*excerpt.notes, *verdict.reasons]
-        if settings.power_group and settings.mounting and not severity.iso_zone:
-            reasons += [_NO_ZONE] * (self.shaft_hz < SLOW_HZ)
+        severity, shaft_hz = window.severity, speed.shaft_hz
+        smallest = math.nan
         if excerpt.simulated:
             smallest = smallest_detectable(
                 window.seconds, shaft_hz, excerpt.temperature, severity.rms, severity.unit,
                 excerpt.bearing.d_ball,
             )  # fmt: skip
-            if verdict.result == 'insufficient':
-                shown = f'one {smallest:.2g} mm wide' if smallest > 0.0 else 'none is sure to'
-                reasons.append(f'smallest race fault that would have shown: {shown}')
+        remarks = self._remarks(verdict, severity, smallest)
         strongest, expected = verdict.strongest, fault_frequencies(excerpt.bearing, shaft_hz)
         # Without a fault the envelope spectrum of the whole band is shown.
-        band = strongest.band if strongest else 0
-        envelope = window.envelope_spectrum(band)
-        found: dict[str, Any] = {}
-        if strongest is not None:
-            fault_hz = strongest.order * shaft_hz
-            line_hz = fault_hz * np.arange(1, HARMONICS + 1)
-            rows = np.rint(line_hz / envelope.bin_hz).astype(int) - 1
-            rows = np.clip(rows, 0, len(envelope.values) - 1)
-            found = {
-                'slip': strongest.slip,
-                'fault_hz': fault_hz,
-                'fault_hz_expected': expected.impacts(strongest.place),
-                'line_hz': line_hz.astype(np.float32),
-                'line_level': envelope.values[rows] / envelope.floor[rows],
-            }
+        envelope = window.envelope_spectrum(strongest.band if strongest else 0)
         return Diagnosis(
             **taken,
-            **found,
+            **(_lines(strongest, envelope, expected, shaft_hz) if strongest else {}),
             result=verdict.result,
             rule=verdict.rule,
             level=verdict.level,
             faults=verdict.faults,
             confidence=verdict.confidence,
-            reasons=tuple(reasons),
+            reasons=(*excerpt.notes, *verdict.reasons, *remarks),
             shaft_hz_given=self.shaft_hz,
             shaft_hz=shaft_hz,
             expected=expected,
@@ -420,6 +403,16 @@ class Analysis:
             trust=verdict.trust,
             kind=verdict.kind,
         )
+
+    def _remarks(self, verdict: Verdict, severity: Severity, smallest: float) -> Iterator[str]:
+        """Yield what is said after the reasons of the verdict."""
+        excerpt, settings = self.excerpt, self.excerpt.settings
+        zoned = settings.power_group and settings.mounting
+        if zoned and not severity.iso_zone and self.shaft_hz < SLOW_HZ:
+            yield _NO_ZONE
+        if excerpt.simulated and verdict.result == 'insufficient':
+            shown = f'one {smallest:.2g} mm wide' if smallest > 0.0 else 'none is sure to'
+            yield f'smallest race fault that would have shown: {shown}'
 
     def _verdict(
         self, windows: Sequence[OrderSpectra], window: Window
@@ -459,6 +452,23 @@ class Analysis:
         if clearer and other.strongest and mistaken(other.strongest):
             return with_confidence_basis(at_this, other), given
         return with_confidence_basis(refined, verdict), speed
+
+
+def _lines(
+    strongest: Candidate, envelope: Spectrum, expected: FaultFrequencies, shaft_hz: float
+) -> dict[str, Any]:
+    """Return the fields of a diagnosis about the lines of the fault in the envelope spectrum."""
+    fault_hz = strongest.order * shaft_hz
+    line_hz = fault_hz * np.arange(1, HARMONICS + 1)
+    rows = np.rint(line_hz / envelope.bin_hz).astype(int) - 1
+    rows = np.clip(rows, 0, len(envelope.values) - 1)
+    return {
+        'slip': strongest.slip,
+        'fault_hz': fault_hz,
+        'fault_hz_expected': expected.impacts(strongest.place),
+        'line_hz': line_hz.astype(np.float32),
+        'line_level': envelope.values[rows] / envelope.floor[rows],
+    }
 
 
 def _mistaken(at_given: OrderSpectra, found: Candidate, gap: float, tolerance: float) -> bool:
