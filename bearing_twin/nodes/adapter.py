@@ -59,7 +59,8 @@ SPECS = (
           'sensor.', '', -1e6, 1e6),
     fixed('unit', 'm/s^2', 'Unit of the samples published.', choices=('m/s^2', 'g')),
     fixed('block_size', 1024, 'Samples per published block.', '', 64, 65536),
-    fixed('frame_id', '', "Frame of the sensor; '' for that of the message received."),
+    fixed('frame_id', '', "Frame of the sensor; '' for that of the message received, or the name "
+          'of its topic where it has none.'),
     HARDWARE_ID,
 )  # fmt: skip
 
@@ -115,7 +116,9 @@ class AdapterNode(ManagedNode):
         self._meter = RateMeter()
         self._heard = self._sent = 0
         self._source: object = None
-        self._frame = p['frame_id']
+        topic = 'imu' if p['source'] == IMU else 'samples'
+        self._topic = self.resolve_topic_name(topic).removeprefix('/')
+        self._frame = p['frame_id'] or self._topic
         self._lost = 0
         self._restarts = 0
         self._untimed = 0
@@ -186,7 +189,7 @@ class AdapterNode(ManagedNode):
             self._refuse('the Imu says that it measures no acceleration (covariance -1)')
             return
         self._problem = ''
-        self._frame = self.parameters['frame_id'] or message.header.frame_id
+        self._frame = self.parameters['frame_id'] or message.header.frame_id or self._topic
         stamp = stamp_ns(message.header.stamp) or self._published(info)
         if not stamp:
             self._untimed += 1

@@ -109,6 +109,8 @@ def test_samples_that_are_no_numbers_or_contradict_their_layout_are_told(nodes, 
         return lambda: text in probe.status(name)[1] and blocks
 
     probe.until(told('samples are fresh'), 'the samples', every=feed())
+    # The message has no frame: the sensor is the topic.
+    assert blocks[0].header.frame_id == 'samples'
     probe.until(told('samples are NaN or infinite'), 'the NaN', every=feed(value=np.nan))
     assert probe.status(name)[0] == b'\x01'
     # They are passed on: the diagnosis says what it cannot use, and nothing is lost unseen.
