@@ -151,12 +151,6 @@ class Cut(NamedTuple):
         return self.stretch * self.update
 
 
-def _pace(settings: DiagnosisSettings) -> Pace:
-    """Return how the verdicts of a stream follow each other, and how long a level is held."""
-    span = settings.memory if settings.averages else settings.window
-    return Pace(settings.hold_updates, settings.update_interval, span, settings.longest_hold)
-
-
 class StreamingDiagnoser:
     """
     Sliding-window diagnosis of one axis of one sensor.
@@ -355,7 +349,13 @@ class StreamingDiagnoser:
             found,
             source,
             wanted=settings.baseline_windows,
-            pace=_pace(settings),
+            pace=Pace(
+                settings.hold_updates,
+                settings.update_interval,
+                settings.memory if settings.averages else settings.window,
+                settings.longest_hold,
+                excerpt.simulated,
+            ),
             full=full,
         )
 

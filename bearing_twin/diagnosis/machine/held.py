@@ -25,6 +25,8 @@ class Pace(NamedTuple):
     """Time that one verdict looks back over, s. Verdicts farther apart share no samples."""
     longest: float = 3600.0
     """Time without a level after which it falls in any case, s."""
+    simulated: bool = False
+    """Whether it is a twin, which does not change unless somebody changes it."""
 
 
 def _log_beta(a: float, b: float) -> float:
@@ -45,8 +47,9 @@ class HeldLevel:
     function: Laplace's rule of succession.
 
     A machine whose load comes and goes has no such p. So a level that rises within ``longest``
-    after one has fallen is held until the whole time ``longest`` has passed without it. The first
-    verdict sets the level at once; until ``updates`` verdicts have asked for it, as many end it.
+    after one has fallen is held until the whole time ``longest`` has passed without it; that of a
+    twin is not, whose defect somebody has taken out and put in again. The first verdict sets the
+    level at once; until ``updates`` verdicts have asked for it, as many end it.
 
     Examples
     --------
@@ -88,7 +91,7 @@ class HeldLevel:
         full, ranks = len(self.newest) == pace.updates, [LEVELS.index(it) for it in self.newest]
         held = LEVELS.index(self.level) if self.level else -1
         if not self.level or (full and ranks[-1] == min(ranks) > held):
-            self.returned = self.since_fall < pace.longest
+            self.returned = self.since_fall < pace.longest and not pace.simulated
             self._set(level, pace)
         elif ranks[-1] >= held:
             self.asked += pace.interval

@@ -65,6 +65,13 @@ def test_an_alarm_that_comes_back_stays_for_an_hour_without_it():
     assert held.wait(PACE) == pytest.approx(33.0, abs=2.0)
 
 
+def test_the_alarm_of_a_twin_ends_as_soon_however_often_its_defect_is_put_in():
+    once = ['fault'] * 60 + ['ok'] * 60
+    levels = _held(['ok', *once * 3], pace=Pace(simulated=True))
+    falls = [n for n, (a, b) in enumerate(pairwise(levels)) if (a, b) == ('fault', 'ok')]
+    assert np.diff(falls).tolist() == [120, 120]
+
+
 def test_the_highest_of_the_newest_levels_is_what_a_level_falls_to():
     held = HeldLevel()
     levels = _held(['fault'] * 120 + ['suspect', 'ok'] * 60, held)
