@@ -7,7 +7,7 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass, field
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any, ClassVar, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import topics
@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from bearing_twin.recording.health import RecordingHealth
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import RecordingInfo
+
+
+STATE_PERIOD = 0.5
+"""Least time between two kept twin states, s."""
 
 
 @dataclass
@@ -66,6 +70,10 @@ class Machine:
     """Number of unreadable messages and the first reason, by topic."""
     sensors: set[str] = field(default_factory=set)
     """Topics of vibration; the report shows ``vibration``, or else the first."""
+    _temperature: float = math.nan
+    _topic: str = ''
+    _chosen: dict[str, str] = field(default_factory=dict)
+    _next_state: float = -math.inf
 
     @property
     def unexplained(self) -> str:
@@ -102,6 +110,98 @@ class Machine:
         """Whether it has no data of a bearing."""
         return self.only_vibration and not self.vibration
 
+    def take(self, message: RecordedMessage, time: float) -> None:
+        """Take a message of the namespace, in the order of the recording."""
+        taker, self._topic = self._TAKERS.get(message.type_name), message.topic
+        if taker is None:
+            return
+        try:
+            with known_fields(message.topic, message.type_name):
+                taker(self, time, message.decode())
+        except BearingTwinError as error:
+            count, reason = self.unread.get(message.topic, (0, str(error)))
+            self.unread[message.topic] = count + 1, reason
+
+    def _counts(self, name: str, forget: Callable[[], None]) -> bool:
+        """
+        Whether the topic is used for its kind: the one called ``name``, or else the first.
+
+        If the topic called ``name`` comes later, ``forget`` discards the data of the other one.
+        """
+        before = self._chosen.setdefault(name, self._topic)
+        if before != self._topic and self._topic.endswith(f'/{name}'):
+            self._chosen[name] = self._topic
+            forget()
+        return self._chosen[name] == self._topic
+
+    def _forget_vibration(self) -> None:
+        self.vibration.clear()
+        self.over_temperature.forget()
+        self.source.forget_vibration()
+
+    def _diagnosis(self, time: float, message: Any) -> None:
+        self.diagnoses.append((time, message))
+        self.headline.take(time, message)
+        self.over_temperature.diagnosis(message)
+
+    def _calibration(self, time: float, message: Any) -> None:
+        self.calibrations.append((time, message))
+
+    def _checkpoint(self, _: float, message: Any) -> None:
+        node = str(message.node)
+        with contextlib.suppress(BearingTwinError):
+            values = load_plain(str(message.configuration), f'the configuration of {node}')
+            self.parameters[node] = str(message.kind), values
+            self.source.checkpoint(message)
+
+    def _spectrum(self, _: float, message: Any) -> None:
+        if np.asarray(message.values).size and message.bin_hz > 0.0:
+            self.headline.spectrum(message)
+
+    def _measured(self, time: float, message: Any) -> None:
+        if not self._counts('temperature', self.measured.clear):
+            # Another temperature, such as that of the room.
+            return
+        self.measured.append((time, float(message.temperature)))
+        if not self.states:
+            self._temperature = float(message.temperature)
+
+    def _state(self, time: float, message: Any) -> None:
+        self._temperature = recorded(message, 'temperature_used')
+        self.last_state = message
+        self.over_temperature.state(message)
+        lateness = recorded(message, 'lateness')
+        self.worst_lateness = float(np.fmax(self.worst_lateness, lateness))
+        if time >= self._next_state:
+            self._next_state = time + STATE_PERIOD
+            self.states.append((time, message))
+
+    def _vibration(self, time: float, message: Any) -> None:
+        samples = np.asarray(message.y if len(message.y) else message.x, dtype=np.float32)
+        self.sensors.add(self._topic)
+        if not self._counts('vibration', self._forget_vibration):
+            return
+        if not samples.size or not 0.0 < message.sample_rate <= HIGHEST_RATE:
+            return
+        self.unit = str(message.unit)
+        self.source.vibration(message)
+        over, rate = self.over_temperature, float(message.sample_rate)
+        speed = recorded(message, 'shaft_hz')
+        rms, peak = over.vibration(samples, self.unit, rate, self._temperature, speed)
+        if math.isfinite(rms):
+            self.vibration.append((time, rms, peak))
+        over.take_strip(samples, int(message.first_sample), rate, self._temperature)
+
+    _TAKERS: ClassVar[dict[str, Callable[[Machine, float, Any], None]]] = {
+        topics.DIAGNOSIS: _diagnosis,
+        topics.CHECKPOINT: _checkpoint,
+        topics.CALIBRATION: _calibration,
+        topics.SPECTRUM: _spectrum,
+        topics.TWIN_STATE: _state,
+        topics.VIBRATION: _vibration,
+        topics.TEMPERATURE: _measured,
+    }
+
 
 def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machine]]:
     """
@@ -109,20 +209,20 @@ def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machi
 
     Unfinished files are read up to their end.
     """
-    machines: dict[str, _Collector] = {}
+    machines: dict[str, Machine] = {}
     start: int | None = None
 
     def take(message: RecordedMessage) -> None:
         nonlocal start
         start = message.log_time if start is None else start
         namespace, _, _ = message.topic.rpartition('/')
-        collector = machines.setdefault(namespace, _Collector(Machine(namespace)))
-        collector.take(message, (message.log_time - start) / NANO)
+        machine = machines.setdefault(namespace, Machine(namespace))
+        machine.take(message, (message.log_time - start) / NANO)
 
     info, health = examine(path, take)
-    found = {name: c.machine for name, c in sorted(machines.items()) if not c.machine.empty}
-    for c in machines.values():
-        _take_fleet(c.machine, found)
+    found = {name: machine for name, machine in sorted(machines.items()) if not machine.empty}
+    for machine in machines.values():
+        _take_fleet(machine, found)
     for name, machine in [*found.items()]:
         parent = found.get(name.rpartition('/')[0])
         if machine.only_vibration and parent is not None and parent.states:
@@ -147,110 +247,3 @@ def _take_fleet(fleet: Machine, machines: dict[str, Machine]) -> None:
             if machine is not None:
                 machine.parameters[f'{namespace} in {node}'] = 'twin', table
                 machine.source.parameters(node, 'twin', table)
-
-
-class _Collector:
-    """Take the messages of one machine in the order of the recording."""
-
-    STATE_PERIOD = 0.5
-    """Least time between two kept twin states, s."""
-
-    def __init__(self, machine: Machine) -> None:
-        self.machine = machine
-        self._temperature = math.nan
-        self._topic = ''
-        self._chosen: dict[str, str] = {}
-        self._next_state = -math.inf
-        self._takers: dict[str, Callable[[float, Any], None]] = {
-            topics.DIAGNOSIS: self._diagnosis,
-            topics.CHECKPOINT: self._checkpoint,
-            topics.CALIBRATION: self._calibration,
-            topics.SPECTRUM: self._spectrum,
-            topics.TWIN_STATE: self._state,
-            topics.VIBRATION: self._vibration,
-            topics.TEMPERATURE: self._measured,
-        }
-
-    def take(self, message: RecordedMessage, time: float) -> None:
-        taker, self._topic = self._takers.get(message.type_name), message.topic
-        if taker is None:
-            return
-        try:
-            with known_fields(message.topic, message.type_name):
-                taker(time, message.decode())
-        except BearingTwinError as error:
-            count, reason = self.machine.unread.get(message.topic, (0, str(error)))
-            self.machine.unread[message.topic] = count + 1, reason
-
-    def _counts(self, name: str, forget: Callable[[], None]) -> bool:
-        """
-        Whether the topic is used for its kind: the one called ``name``, or else the first.
-
-        If the topic called ``name`` comes later, ``forget`` discards the data of the other one.
-        """
-        before = self._chosen.setdefault(name, self._topic)
-        if before != self._topic and self._topic.endswith(f'/{name}'):
-            self._chosen[name] = self._topic
-            forget()
-        return self._chosen[name] == self._topic
-
-    def _forget_vibration(self) -> None:
-        machine = self.machine
-        machine.vibration.clear()
-        machine.over_temperature.forget()
-        machine.source.forget_vibration()
-
-    def _diagnosis(self, time: float, message: Any) -> None:
-        self.machine.diagnoses.append((time, message))
-        self.machine.headline.take(time, message)
-        self.machine.over_temperature.diagnosis(message)
-
-    def _calibration(self, time: float, message: Any) -> None:
-        self.machine.calibrations.append((time, message))
-
-    def _checkpoint(self, _: float, message: Any) -> None:
-        node = str(message.node)
-        with contextlib.suppress(BearingTwinError):
-            values = load_plain(str(message.configuration), f'the configuration of {node}')
-            self.machine.parameters[node] = str(message.kind), values
-            self.machine.source.checkpoint(message)
-
-    def _spectrum(self, _: float, message: Any) -> None:
-        if np.asarray(message.values).size and message.bin_hz > 0.0:
-            self.machine.headline.spectrum(message)
-
-    def _measured(self, time: float, message: Any) -> None:
-        if not self._counts('temperature', self.machine.measured.clear):
-            # Another temperature, such as that of the room.
-            return
-        self.machine.measured.append((time, float(message.temperature)))
-        if not self.machine.states:
-            self._temperature = float(message.temperature)
-
-    def _state(self, time: float, message: Any) -> None:
-        machine = self.machine
-        self._temperature = recorded(message, 'temperature_used')
-        machine.last_state = message
-        machine.over_temperature.state(message)
-        lateness = recorded(message, 'lateness')
-        machine.worst_lateness = float(np.fmax(machine.worst_lateness, lateness))
-        if time >= self._next_state:
-            self._next_state = time + self.STATE_PERIOD
-            machine.states.append((time, message))
-
-    def _vibration(self, time: float, message: Any) -> None:
-        samples = np.asarray(message.y if len(message.y) else message.x, dtype=np.float32)
-        machine = self.machine
-        machine.sensors.add(self._topic)
-        if not self._counts('vibration', self._forget_vibration):
-            return
-        if not samples.size or not 0.0 < message.sample_rate <= HIGHEST_RATE:
-            return
-        machine.unit = str(message.unit)
-        machine.source.vibration(message)
-        over, rate = machine.over_temperature, float(message.sample_rate)
-        speed = recorded(message, 'shaft_hz')
-        rms, peak = over.vibration(samples, machine.unit, rate, self._temperature, speed)
-        if math.isfinite(rms):
-            machine.vibration.append((time, rms, peak))
-        over.take_strip(samples, int(message.first_sample), rate, self._temperature)
