@@ -345,6 +345,7 @@ class StreamingDiagnoser:
             if not self._guest.takes(source):
                 self._guest = Trend()
             trend = self._guest
+        span = settings.memory if settings.averages else settings.window
         return trend.update(
             found,
             source,
@@ -352,7 +353,7 @@ class StreamingDiagnoser:
             pace=Pace(
                 settings.hold_updates,
                 settings.update_interval,
-                settings.memory if settings.averages else settings.window,
+                max(span, settings.update_interval),
                 settings.longest_hold,
                 excerpt.simulated,
             ),

@@ -22,7 +22,7 @@ class Pace(NamedTuple):
     interval: float = 1.0
     """Time between verdicts, s."""
     span: float = 8.0
-    """Time that one verdict looks back over, s. Verdicts farther apart share no samples."""
+    """Time that one verdict stands for, s: verdicts that far apart share no samples."""
     longest: float = 3600.0
     """Time without a level after which it falls in any case, s."""
     simulated: bool = False
