@@ -43,6 +43,7 @@ _LEARNT_IN_DOUBT = (
     'faulty: a level over it may be that over a damaged machine; ~/reset learns it anew'
 )
 _LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine was idle then'
+_AFTER_REPAIR = 'after a repair reset the diagnosis'
 _MOST_OVER_DB = 0.5 * SUSPECT_DB
 """Level over the lowest, dB, from which a settled stream makes no baseline. A machine that settles
 below it, on its way to 10 dB, is suspect in the end all the same."""
@@ -345,17 +346,18 @@ class Trend:
         """Say why another answer, with its level, is not shown."""
         held = self.held
         if level == 'none' and held.level == 'fault':
-            return 'this window tells nothing; after a repair reset the diagnosis'
+            return f'this window tells nothing; {_AFTER_REPAIR}'
         if level == held.level:
             return f'{self.other_count} of {pace.updates} verdicts say {newest}'
         count = self.other_count
         if LEVELS.index(level) > LEVELS.index(held.level):
             count = held.in_a_row(level)
         elif held.level != 'ok':
-            why = ', as it has come back' if held.returned else ''
+            wait, back = held.wait(pace), ', as it has come back' if held.returned else ''
+            reset = f'; {_AFTER_REPAIR}' if wait >= pace.longest else ''
             return (
-                f'{held.quiet:.4g} of {held.wait(pace):.4g} s without it{why}; '
-                f'the newest verdict says {newest}, {level}'
+                f'{held.quiet:.4g} of {wait:.4g} s without it{back}; '
+                f'the newest verdict says {newest}, {level}{reset}'
             )
         return f'{count} of {pace.updates} verdicts say {newest}, {level}'
 

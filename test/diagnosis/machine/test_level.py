@@ -163,6 +163,21 @@ def test_one_other_window_does_not_undo_a_standing_answer_and_stays_visible():
     assert published[6].faults == ('inner', 'outer')
 
 
+def test_a_held_level_says_for_how_long_and_why():
+    healthy, inner = said('healthy', 'ok'), said('inner', 'fault', 'inner')
+    burst = [*[inner] * 60, *[healthy] * 40]
+    published = _answers([healthy, *burst, *burst])
+    text = 'inner, fault held: 12 of 33 s without it; the newest verdict says healthy, ok'
+    assert published[72].reasons[-1] == text
+    assert [d.level for d in published[92:95]] == ['fault', 'ok', 'ok']
+    text = (
+        'inner, fault held: 40 of 3600 s without it, as it has come back; the newest verdict says '
+        'healthy, ok; after a repair reset the diagnosis'
+    )
+    assert published[-1].reasons[-1] == text
+    assert published[-1].window == ('healthy', 'ok')
+
+
 def test_windows_that_disagree_among_themselves_change_the_level_all_the_same():
     healthy, fault = said('healthy', 'ok'), said('inner', 'fault', 'inner')
     other = said('outer', 'fault', 'outer')
