@@ -121,6 +121,7 @@ ROS = (
     'entities',
     'executor',
     'topics',
+    'reserves',
     'health',
     'parameters',
     'lifecycle',

@@ -11,6 +11,7 @@ import re
 import time
 from typing import NamedTuple, TYPE_CHECKING
 
+from bearing_twin.ros.reserves import Reserves
 from bearing_twin.ros.topics.qos import RESULT
 from bearing_twin.stamps import NANO
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -91,6 +92,7 @@ class Health:
         self._spells: dict[str, _Spell] = {}
         self._unique = time.monotonic()
         self._shared: dict[str, float] = {}
+        self._reserves = Reserves(node)
         self._looked = 0
         self.tasks: dict[str, tuple[Callable[[], Status], str]] = {}
         """Function that returns the status, and the asset, by part."""
@@ -166,7 +168,7 @@ class Health:
             topic = publisher.topic_name
             # An inactive node publishes nothing, so it may share the topics of an active one.
             active = getattr(publisher, 'is_activated', False)
-            if active and self._node.count_publishers(topic) > 1:
+            if active and self._node.count_publishers(topic) > 1 and self._rivals_on(topic):
                 self._shared.setdefault(topic, time.monotonic())
             else:
                 self._shared.pop(topic, None)
@@ -175,16 +177,22 @@ class Health:
         """Return which other nodes publish on topics of this one; '' if there are none."""
         since = time.monotonic() - RIVAL_AFTER
         topics = [topic for topic, began in self._shared.items() if began <= since]
-        if not topics:
+        others = ', '.join(self._rivals_on(topics[0])) if topics else ''
+        if not others:
             return ''
-        infos = self._node.get_publishers_info_by_topic(topics[0])
-        names = {f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos}
-        others = ', '.join(sorted(names - {self._node.get_fully_qualified_name()}))
         more = f' and {len(topics) - 1} more topics of this node' if len(topics) > 1 else ''
         return (
-            f'{others or "this node itself"} publishes on {topics[0]}{more}, too: end it, or give '
-            'it another namespace'
+            f'{others} publishes on {topics[0]}{more}, too: end it, or give it another namespace'
         )
+
+    def _rivals_on(self, topic: str) -> list[str]:
+        """Return the other nodes that publish on a topic and are not inactive, sorted."""
+        infos = self._node.get_publishers_info_by_topic(topic)
+        names = {f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos}
+        others = names - {self._node.get_fully_qualified_name()}
+        if not others:
+            return ['this node itself']
+        return sorted(name for name in others if not self._reserves.is_inactive(name))
 
     def _log(self, part: str, status: Status) -> None:
         key = (status.level, status.kind or NUMBER.sub('', status.message))

@@ -18,6 +18,7 @@ pytest.importorskip('rclpy')
 from bearing_twin.assets.messages import time_message
 from bearing_twin.nodes.diagnosis import DiagnosisNode
 from bearing_twin.nodes.diagnosis_topics import verdict_status
+from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import _text, Health, known, Level, PARTS, Status
 from bearing_twin.stamps import NANO
 from bearing_twin.thermal.gate import TemperatureStatus
@@ -160,13 +161,19 @@ def test_a_second_publisher_of_a_topic_is_told(here, nodes, probe, monkeypatch):
     node = here(DiagnosisNode)
     for trigger in (node.trigger_configure, node.trigger_activate):
         assert trigger() is TransitionCallbackReturn.SUCCESS
+    executor = LeanExecutor()
+    executor.add_node(node)
     probe.watch_diagnostics()
+
+    def report():
+        executor.spin_once(timeout_sec=0.01)
+        node.health.publish()
 
     def until_told(what):
         status = probe.until(
             lambda: (status := probe.status(VIBRATION)).message.startswith(what) and status,
             what,
-            every=node.health.publish,
+            every=report,
         )
         return status.level, status.message
 
@@ -178,6 +185,12 @@ def test_a_second_publisher_of_a_topic_is_told(here, nodes, probe, monkeypatch):
     assert message.endswith('namespace; no vibration yet')
     nodes.start('diagnosis', {}, name='third', ros=('-r', '__node:=third'))
     until_told('/line2/diagnosis, /third publishes on /diagnosis and ')
+    assert probe.change_state('third', 'deactivate')
+    until_told('/line2/diagnosis publishes on /diagnosis, too: end it')
+    assert probe.change_state('line2/diagnosis', 'deactivate')
+    until_told('no vibration')
+    assert probe.change_state('third', 'activate')
+    until_told('/third publishes on /diagnosis and ')
     for name in ('diagnosis', 'third'):
         assert nodes.end(name) == 0
     until_told('no vibration')
