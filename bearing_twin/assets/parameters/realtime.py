@@ -27,7 +27,7 @@ class Threshold(NamedTuple):
 
 THRESHOLDS = (
     Threshold('lateness', '99th percentile of the lateness', 's', 0.04, 0.2, 10.0,
-              '99 % of the blocks are late by up to {:.4g} s'),
+              '1 % of the blocks are {:.4g} s late or more'),
     Threshold('periodicity.mean_error', 'Deviation of the mean rate of the cycles',
               'Hz', 1.0, 5.0, 1000.0, 'the rate of the cycles is off by {:.4g} Hz'),
     Threshold('periodicity.standard_deviation', 'Standard deviation of the rate of the cycles',
