@@ -23,7 +23,7 @@ from bearing_twin.bearing.vocabulary import STAGE_STEPS, STAGES
 from bearing_twin.diagnosis.result import insufficient
 from bearing_twin.nodes.diagnosis_topics import LEVELS as STATUS_LEVELS
 from bearing_twin.nodes.diagnosis_topics import VERDICT_LEVELS, verdict_status
-from bearing_twin.recording.schedule import write_temperature_recording
+from bearing_twin.recording.temperature import write_temperature_recording
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.processes.launching import ensure_log_folder
 import numpy as np

@@ -84,7 +84,7 @@ RECORDING = (
     'player',
     'recover',
     'signals',
-    'schedule',
+    'temperature',
 )
 """The same for the recordings."""
 

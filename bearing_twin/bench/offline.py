@@ -12,7 +12,7 @@ from typing import NamedTuple, TYPE_CHECKING
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 import numpy as np
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.viewer import LOOPBACK
 

@@ -30,13 +30,13 @@ from bearing_twin.cli.signal_arguments import (
 from bearing_twin.cli.terminal import clear_progress, progress, wrapped
 from bearing_twin.errors import BearingTwinError, shown
 from bearing_twin.quantity import signed
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from bearing_twin.recording.signals.foreign import Signal
+    from bearing_twin.recording.signals.signalfile import Signal
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

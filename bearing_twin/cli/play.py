@@ -15,7 +15,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.cli.arguments import refuse_topic
 from bearing_twin.cli.signal_arguments import UNITS
 from bearing_twin.errors import BearingTwinError, UsageError
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.stamps import samples_ns
 import numpy as np
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable
 
-    from bearing_twin.recording.signals.foreign import Signal
+    from bearing_twin.recording.signals.signalfile import Signal
     from rclpy.publisher import Publisher
 
 

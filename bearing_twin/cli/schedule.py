@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import refuse_given, refuse_topic
 from bearing_twin.errors import refused
-from bearing_twin.recording.schedule import (
+from bearing_twin.recording.temperature import (
     paper_schedule,
     read_temperatures,
     START,

@@ -129,7 +129,7 @@ def _as_recording(path: Path, args: argparse.Namespace, folder: Path) -> Path:
         return find_recording(path)
     # Loaded when needed: the messages and scipy take a second.
     from bearing_twin.offline.signal_run import record_signal
-    from bearing_twin.recording.signals.foreign import read_signal
+    from bearing_twin.recording.signals.signalfile import read_signal
 
     signal = read_signal(path, channel=args.channel, sample_rate=args.sample_rate)
     bearing = given_bearing(args) or signal.bearing or named_bearing(signal.bearing_name)

@@ -15,7 +15,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.diagnosis_run import DiagnosisRun
 from bearing_twin.offline.output import output
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.schedule import START
+from bearing_twin.recording.temperature import START
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import samples_ns
 from bearing_twin_msgs.msg import Vibration
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.recording.signals.foreign import Signal
+    from bearing_twin.recording.signals.signalfile import Signal
 
 
 BLOCK = 1024

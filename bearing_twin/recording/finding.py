@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 SIGNAL_FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
-"""Suffixes of vibration files of other formats, each with its reader in `signals.foreign`."""
+"""Suffixes of vibration files of other formats, each with its reader in `signals.signalfile`."""
 
 
 def ending(path: Path) -> str:

@@ -39,7 +39,7 @@ from bearing_twin.calibration.measured.path import noise_floor, resonances, STUD
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics import Fleet
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 import numpy as np
 from scipy import signal, stats
 

@@ -14,7 +14,7 @@ from bearing_twin.bench.diagnosis import fault_signal, RATE, SHAFT_HZ
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals import dataset
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from commands import json_lines
 import numpy as np
 import pytest

@@ -10,7 +10,7 @@ import weakref
 from bearing_twin.assets.messages import time_message
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.run import run_offline
-from bearing_twin.recording.schedule import write_temperature_recording
+from bearing_twin.recording.temperature import write_temperature_recording
 from bearing_twin.stamps import LATEST, NANO
 from bearing_twin.streams.arrival import ArrivalTimes
 from bearing_twin.streams.samplerate import RateMeter

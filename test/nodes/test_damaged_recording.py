@@ -4,7 +4,7 @@
 
 import random
 
-from bearing_twin.recording.schedule import write_temperature_recording
+from bearing_twin.recording.temperature import write_temperature_recording
 from copies import raw_recording
 from mcap.reader import make_reader
 import numpy as np

@@ -22,7 +22,7 @@ from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.quantity import quantities
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.lubricant import Lubricant

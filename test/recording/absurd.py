@@ -18,7 +18,7 @@ from typing import Any
 
 from bearing_twin.cli import main
 from bearing_twin.recording.mcap.schema import store_from_text
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from fuzzing import at_most, clean, run_script, until
 from mcap.writer import CompressionType, Writer
 import numpy as np

@@ -23,7 +23,7 @@ from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.recording.writer import WriterOptions
 from mcap.writer import CompressionType, Writer
 import numpy as np

@@ -34,7 +34,7 @@ from recording_samples import (
     temperature_cdr,
     write_blocks,
 )
-from test_foreign import npy
+from test_signal_files import npy
 import zstandard
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ READER = """
 import resource, sys
 from pathlib import Path
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import read_messages
 import scipy.io.wavfile

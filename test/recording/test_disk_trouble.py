@@ -16,8 +16,8 @@ from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError, REFUSED
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
 from bearing_twin.recording.snapshot import SnapshotWriter
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.processes.launching import NodeProcesses
 from bearing_twin.streams.statefile import StateFolder

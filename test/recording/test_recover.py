@@ -25,7 +25,7 @@ from bearing_twin.recording.outfile import MOST_CHANNELS
 from bearing_twin.recording.player import Player
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover, RecoveryReport
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from cases import in_proofs
 from copies import raw_recording

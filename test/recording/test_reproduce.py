@@ -29,7 +29,7 @@ from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcap.schema import canonical_cdr
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.topics.qos import RESULT, STREAM
 from bearing_twin.stamps import samples_ns

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.health import examine
-from bearing_twin.recording.schedule import write_temperature_recording
+from bearing_twin.recording.temperature import write_temperature_recording
 from cases import in_proofs
 from commands import resident
 import numpy as np

@@ -6,7 +6,7 @@ from datetime import datetime, timezone
 
 from bearing_twin.cli import main
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.schedule import START
+from bearing_twin.recording.temperature import START
 from bearing_twin.stamps import NANO
 import numpy as np
 import pytest

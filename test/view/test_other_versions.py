@@ -8,7 +8,7 @@ from bearing_twin import cli
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.view import trends
 from copies import raw_recording
 import numpy as np

@@ -11,7 +11,7 @@ from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.dynamics.equations.load_zone import contact_forces
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.schedule import START
+from bearing_twin.recording.temperature import START
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.streams.vibration_input import SOURCE_SIMULATED

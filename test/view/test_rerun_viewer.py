@@ -20,7 +20,7 @@ import time
 from bearing_twin import cli
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
-from bearing_twin.recording.schedule import paper_schedule, write_temperature_recording
+from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import split_ns

@@ -39,7 +39,7 @@ from bearing_twin.recording.signals.dataset import (
     fault_label,
     is_dataset,
 )
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.studies.output import print_table
 from bearing_twin.studies.reliability import calibration_error
 import numpy as np

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.recording.signals.foreign import Signal
+    from bearing_twin.recording.signals.signalfile import Signal
 
 
 COUNT = 12

@@ -125,7 +125,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list_channels(args: argparse.Namespace) -> int:
-    from bearing_twin.recording.signals.foreign import channels
+    from bearing_twin.recording.signals.signalfile import channels
 
     listed: dict[str, list[str]] = {}
     for name in args.files:

@@ -17,7 +17,7 @@ from bearing_twin.cli.signal_arguments import unread
 from bearing_twin.cli.terminal import plain
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.signals.foreign import read_signal
+from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.view.verdict import confidence, next_step
 
 if TYPE_CHECKING:

@@ -120,7 +120,7 @@ def read_dataset_signal(path: Path, row: DatasetSignal) -> dict[str, Any]:
     Returns
     -------
     The samples ``x`` and the other entries that
-    :func:`bearing_twin.recording.signals.foreign.read_signal` uses.
+    :func:`bearing_twin.recording.signals.signalfile.read_signal` uses.
 
     """
     name = Path(str(row['signal_file'])).name

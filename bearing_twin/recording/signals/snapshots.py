@@ -15,8 +15,8 @@ from bearing_twin.given import real_numbers
 from bearing_twin.recording.finding import ending, natural, SIGNAL_FILES
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
-from bearing_twin.recording.signals.foreign import read_signal, Signal
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
+from bearing_twin.recording.signals.signalfile import read_signal, Signal
 from bearing_twin.stamps import NANO
 import numpy as np
 
@@ -100,7 +100,7 @@ def read_snapshots(
     files
         Files in order of time; see :func:`series_files`.
     channel, sample_rate
-        See :func:`bearing_twin.recording.signals.foreign.read_signal`.
+        See :func:`bearing_twin.recording.signals.signalfile.read_signal`.
     cycle
         Interval of the snapshots, s, if the files do not state their times.
     unread

@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_CAGE, Z_FAULT
-from bearing_twin.recording.schedule import is_undated
+from bearing_twin.recording.temperature import is_undated
 from bearing_twin.stamps import NANO, time_unit
 from bearing_twin.view.report.appendix import appendix
 from bearing_twin.view.report.data import collect

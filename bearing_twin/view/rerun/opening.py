@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import store_from_text
 from bearing_twin.recording.reader import read_messages, recording_info
-from bearing_twin.recording.schedule import is_undated
+from bearing_twin.recording.temperature import is_undated
 from bearing_twin.recording.topics import CHECKPOINT, VIBRATION
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger

@@ -14,7 +14,7 @@ import zipfile
 import zlib
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.signals.foreign import channels, read_signal
+from bearing_twin.recording.signals.signalfile import channels, read_signal
 from bearing_twin.recording.signals.snapshots import read_snapshots, series_files
 from bearing_twin.recording.writer import RecordingWriter
 import numpy as np

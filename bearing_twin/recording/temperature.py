@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Temperature recordings, and the schedule of the paper."""
+"""Temperature recordings: from a table of a logger, or the schedule of the paper."""
 
 from __future__ import annotations
 
