@@ -25,7 +25,7 @@ FAULT_CODES: dict[str, str] = {
     'cage': 'BEARING_CAGE',
     'suspect': 'BEARING_SUSPECT',
     'ambiguous': 'BEARING_AMBIGUOUS',
-    'insufficient': 'BEARING_NO_STATEMENT',
+    'insufficient': 'BEARING_INSUFFICIENT',
 }
 """Stable code of each result, for programs that react to it."""
 

@@ -8,6 +8,7 @@ from bearing_twin_msgs.msg import Diagnosis
 
 def test_every_answer_has_a_code_and_a_title_of_its_own():
     assert tuple(FAULT_CODES) == tuple(TITLES) == RESULTS
+    assert all(result.upper() in FAULT_CODES[result] for result in RESULTS if result != 'healthy')
     assert len(set(FAULT_CODES.values())) == len(set(TITLES.values())) == len(RESULTS)
 
 
