@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from bearing_twin.view.report.data import Machine
-    from bearing_twin.view.trends import Limit, Panel
+    from bearing_twin.view.trends import Limit, Panel, Trend
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -358,12 +358,7 @@ def _panels(
     ``zones`` are the limits of the velocity.
     """
     time = _times(items)
-    shown = []
-    for panel in panels:
-        lines = [(t, np.array([t.value(m) for _, m in items], dtype=float)) for t in panel.trends]
-        lines = [(trend, values) for trend, values in lines if np.isfinite(values).any()]
-        if lines and lines[0][0] is panel.trends[0]:
-            shown.append((panel, lines))
+    shown = [(panel, lines) for panel in panels if (lines := _lines(panel, items))]
     if not shown:
         return None
     # Four in two rows would take a third sheet.
@@ -374,33 +369,15 @@ def _panels(
     named: dict[str, Any] = {}
     unit = str(getattr(items[-1][1], 'unit', ''))
     for axes, (panel, lines) in zip(grid, shown, strict=False):
-        for trend, values in lines:
-            colour = hex_colour(trend.colour)
-            axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
-            # A line does not show a single value between missing ones: it becomes a point.
-            there = np.pad(np.isfinite(values), 1)
-            alone = there[1:-1] & ~there[:-2] & ~there[2:]
-            axes.scatter(time[alone], values[alone], s=9.0, color=colour)
-        of = {trend.key: values for trend, values in lines}
-        if panel.band and of.keys() >= set(panel.band):
-            axes.fill_between(time, *(of[key] for key in panel.band), color='#bbdefb')
         besides = [trend.named for trend, _ in lines if trend in panel.other_trends]
         # No-break spaces keep a name and its colour together when the title is wrapped.
         whole = (name.replace(' ', '\N{NO-BREAK SPACE}') for name in besides)
         title = ', '.join([panel.title, *whole]).replace('[unit]', f'[{pretty(unit)}]')
         axes.set_title('\n'.join(wrap(title, 90 // columns)).replace('\N{NO-BREAK SPACE}', ' '))
-        _draw_limits(axes, zones if panel.key == 'velocity' else panel.limits)
-        if panel.from_zero:
-            # With zero among the data, the upper margin is relative to the whole height.
-            axes.update_datalim([(time[0], 0.0)])
-            axes.autoscale_view(scalex=False)
-            axes.set_ylim(bottom=0.0)
+        _panel(axes, panel, time, lines, zones if panel.key == 'velocity' else panel.limits)
         if len(lines) > 1 and not besides:
             for line in axes.get_lines()[: len(lines)]:
                 named.setdefault(str(line.get_label()), line)
-        axes.yaxis.set_major_locator(MaxNLocator(4))
-        axes.ticklabel_format(useOffset=False)
-        _mark_limits(axes, zones if panel.key == 'velocity' else panel.limits)
     for axes in grid[len(shown) :]:
         axes.remove()
     for axes in grid[: len(shown)][-columns:]:
@@ -409,6 +386,47 @@ def _panels(
     if named:
         figure.legend(named.values(), named, loc='outside upper right', ncols=len(named))
     return caption, figure
+
+
+def _lines(
+    panel: Panel, items: Sequence[tuple[float, Any]]
+) -> list[tuple[Trend, NDArray[np.float64]]]:
+    """Return the trends of a panel that have values, with them; none without the first trend."""
+    lines = [(t, np.array([t.value(m) for _, m in items], dtype=float)) for t in panel.trends]
+    lines = [(trend, values) for trend, values in lines if np.isfinite(values).any()]
+    return lines if lines and lines[0][0] is panel.trends[0] else []
+
+
+def _panel(
+    axes: Axes,
+    panel: Panel,
+    time: NDArray[np.float64],
+    lines: Sequence[tuple[Trend, NDArray[np.float64]]],
+    limits: Sequence[Limit],
+) -> None:
+    """Draw the curves of a panel, its band and its limits."""
+    for trend, values in lines:
+        colour = hex_colour(trend.colour)
+        axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
+        # A line does not show a single value between missing ones: it becomes a point.
+        there = np.pad(np.isfinite(values), 1)
+        alone = there[1:-1] & ~there[:-2] & ~there[2:]
+        axes.scatter(time[alone], values[alone], s=9.0, color=colour)
+    of = {trend.key: values for trend, values in lines}
+    if panel.band and of.keys() >= set(panel.band):
+        low, high = (of[key] for key in panel.band)
+        axes.fill_between(time, low, high, color='#bbdefb')
+    for limit in limits:
+        dashes = (4, 2) if limit.look == 'limit' else (1, 2)
+        axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=dashes)
+    if panel.from_zero:
+        # With zero among the data, the upper margin is relative to the whole height.
+        axes.update_datalim([(time[0], 0.0)])
+        axes.autoscale_view(scalex=False)
+        axes.set_ylim(bottom=0.0)
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.ticklabel_format(useOffset=False)
+    _mark_limits(axes, limits)
 
 
 def _time_axis(axes: Axes, end: float, name: str, numbers: int = 9) -> None:
@@ -420,12 +438,6 @@ def _time_axis(axes: Axes, end: float, name: str, numbers: int = 9) -> None:
         ticks = MaxNLocator(numbers).tick_values(low / length, high / length)
         axes.set_xticks([length * t for t in ticks if low <= length * t <= high])
         axes.xaxis.set_major_formatter(lambda value, _: f'{value / length:g}')
-
-
-def _draw_limits(axes: Axes, limits: Sequence[Limit]) -> None:
-    for limit in limits:
-        dashes = (4, 2) if limit.look == 'limit' else (1, 2)
-        axes.axhline(limit.value, color='#616161', linewidth=0.8, dashes=dashes)
 
 
 def _mark_limits(axes: Axes, limits: Sequence[Limit]) -> None:
