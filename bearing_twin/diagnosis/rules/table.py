@@ -85,9 +85,9 @@ RULES: tuple[Rule, ...] = (
 )
 """All rules in their order; the last one always applies."""
 
-DOUBTED = 0.85
+DOUBTED = 35.0 / 37.0
 """Highest confidence of an answer at an unlikely slip: 34 of 35 such answers on simulated machines
-were right, and 0.85 is the lower end of the 95 % interval of their share (Wilson)."""
+were right, and this is the share that Laplace's rule of succession expects of further ones."""
 
 TELLS = {rule.name: rule.tells for rule in RULES if rule.tells}
 HEALTHY = frozenset(rule.name for rule in RULES if rule.answer == 'healthy')
