@@ -256,13 +256,10 @@ class Residual:
 
     def numbers(self, differences: npt.ArrayLike) -> FloatArray:
         """
-        Return the numbers that :meth:`judge` gives for many decisions in a row.
+        Return the numbers that :meth:`judge` gives for many decisions in a row, shape (n,).
 
-        The differences, machine minus twin, dB, are in the learnt bands, shape (n, m).
-
-        Returns
-        -------
-        Numbers, shape (n,); NaN where :meth:`judge` gives none.
+        The differences, machine minus twin, dB, are in the learnt bands, shape (n, m). A number is
+        NaN where :meth:`judge` gives none.
 
         Raises
         ------

@@ -234,13 +234,9 @@ class OutputFile:
 
     def drain(self) -> str:
         """
-        Close the chunk and give everything to the operating system.
+        Close the chunk and give everything to the operating system; return what hinders that.
 
-        Returns
-        -------
-        str
-            Why the disk did not take all bytes, '' if it did. The remaining bytes wait in memory.
-
+        It is '' if the disk took all bytes. Else the remaining ones wait in memory.
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
         problem = self._push()

@@ -75,15 +75,7 @@ def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray
     """
     Return times (s) and temperatures (degC) of a linear rise from 20 to 110 degC.
 
-    Parameters
-    ----------
-    duration
-        Time from 20 to 110 degC, s.
-
-    Returns
-    -------
-    times, temperatures
-        Ten readings a second, shape ``(round(10 * duration) + 1,)``.
+    It takes ``duration`` s, with ten readings a second: shape ``(round(10 * duration) + 1,)``.
 
     Raises
     ------

@@ -240,13 +240,9 @@ class _ParameterCallbacks:
 
     def read(self, asked: Any) -> str:
         """
-        Bring a ``rcl_interfaces/Parameter`` into the type that is declared.
+        Bring a ``rcl_interfaces/Parameter`` into the declared type; return why it is refused.
 
-        Returns
-        -------
-        str
-            Why the value is refused; '' if it is not, or if rclpy or the whole change decides.
-
+        It is '' if the value is not refused, or if rclpy or the whole change decides.
         """
         name, value = asked.name, asked.value
         if value.type not in TYPES:

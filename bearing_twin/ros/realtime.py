@@ -48,11 +48,7 @@ def raise_priority(priority: int) -> str:
     """
     Give the calling thread a real-time priority; 0 leaves it normal.
 
-    Returns
-    -------
-    str
-        Scheduling in force, for /diagnostics.
-
+    The scheduling in force is returned, for /diagnostics.
     """
     if not priority:
         return 'normal'

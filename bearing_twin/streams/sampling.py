@@ -100,20 +100,11 @@ class StampTracker:
 
     def missing(self, stamp: int) -> int:
         """
-        Return the number of samples missing before this one.
+        Return the number of samples missing before the one at ``stamp``, ns.
 
-        Parameters
-        ----------
-        stamp
-            Time of the sample, ns.
-
-        Returns
-        -------
-        int
-            0 if the sample follows the last one. Negative if its stamp is too early, beyond the
-            jitter, or more than an hour late: the clock was set or the source restarted. Always 0
-            while :attr:`rate` is 0.
-
+        It is 0 if the sample follows the last one, and always while :attr:`rate` is 0. It is
+        negative if the stamp is too early, beyond the jitter, or more than an hour late: the clock
+        was set or the source restarted.
         """
         if not self.rate:
             self._estimate(stamp)

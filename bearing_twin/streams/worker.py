@@ -57,11 +57,8 @@ class Worker(Generic[Task, Answer]):
         """
         Queue a task behind those submitted before.
 
-        Returns
-        -------
-        concurrent.futures.Future
-            The result, or the exception that ``work`` raised; ChildProcessError if the process was
-            killed.
+        The future has the result, or the exception that ``work`` raised; ChildProcessError if the
+        process was killed.
 
         Raises
         ------

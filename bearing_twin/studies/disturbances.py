@@ -29,14 +29,10 @@ def disturbance(
     machine: str, turns: NDArray[np.float64], sample_rate: float, rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """
-    Return the vibration that a machine adds to that of its bearing, without a unit.
+    Return the vibration that a machine adds to that of its bearing, without a unit, shape (n,).
 
-    ``turns`` are the turns of the shaft since the beginning, at each sample, shape (n,).
-
-    Returns
-    -------
-    Samples, shape (n,); zeros for ``'quiet'``.
-
+    ``turns`` are the turns of the shaft since the beginning, at each sample, shape (n,). A
+    ``'quiet'`` machine adds zeros.
     """
     n = len(turns)
     t = np.arange(n) / sample_rate

@@ -270,10 +270,8 @@ def with_longest_spacing(
     less clearly than from entry to exit, because the intervals of balls vary. Only a clearer
     repetition counts.
 
-    Returns
-    -------
-    refusal
-        Unchanged if nothing repeats later; otherwise ``longest_spacing`` is the time, s.
+    The refusal is unchanged if nothing repeats later; otherwise its ``longest_spacing`` is the
+    time, s.
 
     Examples
     --------

@@ -102,12 +102,9 @@ def summary_records(
 
 def chunk_index(size: int, records: Iterable[tuple[RawRecord, bytes]]) -> NDArray[np.uint64]:
     """
-    Return times and positions of the chunks that a summary lists.
+    Return times and positions of the chunks that a summary lists, in order of time.
 
-    Returns
-    -------
-    ndarray
-        First and last log time (ns), first byte, length; shape ``(n, 4)``, in order of time.
+    They are first and last log time (ns), first byte and length, shape ``(n, 4)``.
 
     Raises
     ------

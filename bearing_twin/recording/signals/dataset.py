@@ -115,13 +115,9 @@ def dataset_bearing(row: DatasetSignal) -> Bearing | None:
 
 def read_dataset_signal(path: Path, row: DatasetSignal) -> dict[str, Any]:
     """
-    Return one signal of a data set and its description.
+    Return one signal of a data set: its samples ``x`` and its description.
 
-    Returns
-    -------
-    The samples ``x`` and the other entries that
-    :func:`bearing_twin.recording.signals.signalfile.read_signal` uses.
-
+    The entries are those that :func:`bearing_twin.recording.signals.signalfile.read_signal` uses.
     """
     name = Path(str(row['signal_file'])).name
     group, index = row['signal_row_group'], row['signal_row']

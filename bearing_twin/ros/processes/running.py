@@ -199,12 +199,7 @@ def _note_interrupts() -> list[int]:
 
     Otherwise Python would raise KeyboardInterrupt between any two steps of a callback, such as in
     the middle of writing a record, or while the node already ends after an earlier interrupt.
-
-    Returns
-    -------
-    list
-        Received signals; filled later by the signal handler.
-
+    The signals that come are added to the returned list.
     """
     came: list[int] = []
     signal.signal(signal.SIGINT, lambda number, _: came.append(number))
