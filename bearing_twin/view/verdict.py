@@ -195,13 +195,15 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
     crest, kurtosis = number(diagnosis.crest_factor), number(diagnosis.kurtosis)
     rows = [('Peak', f'{peak}, crest factor {crest}, kurtosis {kurtosis}')]
     if not diagnosis.iso_zone:
-        why = ': needs machine group, mounting and speed'
+        why = ': needs machine group and mounting'
         if not math.isfinite(acceleration_factor(diagnosis.unit)):
             why = ': needs a unit of acceleration, g or m/s^2'
         elif not math.isfinite(diagnosis.velocity_rms):
             why = ': needs at least 1 s'
         elif diagnosis.shaft_hz < SLOW_HZ:
             why = ' below 600 1/min'
+        elif math.isnan(diagnosis.shaft_hz):
+            why = ': needs machine group, mounting and speed'
         rows.append(('Zone', f'none of ISO 20816-3{why}'))
     basis = _basis(diagnosis)
     if basis and not recorded(diagnosis, 'level_correction_sd') > 0.0:

@@ -328,7 +328,8 @@ def test_a_level_that_is_corrected_says_by_how_much_and_on_what_it_rests():
         ('V', math.nan, 25.0, ': needs a unit of acceleration, g or m/s^2'),
         ('g', math.nan, 25.0, ': needs at least 1 s'),
         ('g', 1.0, 5.0, ' below 600 1/min'),
-        ('m/s^2', 1.0, 25.0, ': needs machine group, mounting and speed'),
+        ('m/s^2', 1.0, 25.0, ': needs machine group and mounting'),
+        ('m/s^2', 1.0, math.nan, ': needs machine group, mounting and speed'),
     ],
 )
 def test_why_there_is_no_zone_names_what_is_missing(unit, velocity, shaft, why):
