@@ -7,9 +7,19 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from bearing_twin.bearing.vocabulary import RESULTS, TITLES
+from bearing_twin.recording import topics
 
-PAGES = ('Verdict', 'Vibration', 'Evidence', 'Temperature', 'Twin', 'Calibration', 'Nodes')
-"""Pages of a bearing. Each page fits the screen of a laptop."""
+PAGES = {
+    'Verdict': {topics.DIAGNOSIS, topics.SPECTRUM, topics.TWIN_STATE},
+    'Vibration': {topics.VIBRATION, topics.SPECTRUM},
+    'Evidence': {topics.DIAGNOSIS, topics.SPECTRUM},
+    'Temperature': {topics.TEMPERATURE, topics.TWIN_STATE, topics.DIAGNOSIS},
+    'Twin': {topics.TWIN_STATE},
+    'Calibration': {topics.CALIBRATION},
+    'Nodes': {topics.CHECKPOINT, topics.DIAGNOSTICS, topics.LOG, topics.TEXT},
+}
+"""Pages of a bearing, with the message types without which there is nothing to show on them. Each
+page fits the screen of a laptop."""
 
 APPLICATION = 'bearing_twin'
 """Rerun keeps a blueprint per application."""

@@ -101,11 +101,15 @@ def test_files_side_by_side_have_one_scale_and_say_what_they_are(folder, tmp_pat
     assert (low, high) == (-high, pytest.approx(peak))
 
 
-def test_a_page_for_which_nothing_is_there_is_refused(folder, tmp_path, capsys):
+def test_a_page_for_which_nothing_is_there_is_refused(folder, tmp_path, capsys, monkeypatch):
     args = ['view', str(folder / 'fan.npz'), '--save', str(tmp_path / 'a.rrd'), '--page']
     assert cli.main([*args, 'Temperature']) == 1
-    said = 'nothing is there to show on the page Temperature; the pages are Verdict, Vibration'
-    assert said in capsys.readouterr().err
+    said = 'nothing is there to show on the page {}; the pages are Verdict, Vibration'
+    assert said.format('Temperature') in capsys.readouterr().err
+    with monkeypatch.context() as drawing:
+        drawing.setattr('bearing_twin.view.rerun.opening.RerunLogger', None)
+        assert cli.main([*args, 'Twin']) == 1
+    assert said.format('Twin') in capsys.readouterr().err
     assert cli.main([*args, 'Evidence']) == 0
 
 

@@ -11,11 +11,12 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import store_from_text
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.temperature import is_undated
-from bearing_twin.recording.topics import CHECKPOINT, VIBRATION
+from bearing_twin.recording.topics import CHECKPOINT, LOG, TEXT, VIBRATION
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.rerun.scene import PICTURES
+from bearing_twin.view.style import PAGES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 ARRIVAL = 'message_log_time'
 """Timeline that Rerun gives every message of an MCAP file."""
-LATCHED_TYPES = frozenset({CHECKPOINT, 'rcl_interfaces/msg/Log', 'std_msgs/msg/String'})
+LATCHED_TYPES = frozenset({CHECKPOINT, LOG, TEXT})
 """Message types that stay valid: they are drawn even if sent before the vibration."""
 OWN = frozenset(name for name in PICTURES if name.startswith('bearing_twin_msgs/'))
 SERIES = frozenset(
@@ -87,6 +88,10 @@ def draw_recordings(
     if len(paths) == 1 and not OWN & {topic.type_name for topic in infos[0].topics.values()}:
         _check_page(page, [])
         return _draw_foreign(infos[0], rrd, progress)
+    types = {topic.type_name for info in infos for topic in info.topics.values() if topic.count}
+    possible = [name for name, needed in PAGES.items() if needed & types]
+    if page not in possible:
+        _check_page(page, possible)
     names = [''] if len(paths) == 1 else _names(paths)
     begins = [_begin(info) for info in infos]
     counted = len(paths) > 1 or is_undated(infos[0].start)

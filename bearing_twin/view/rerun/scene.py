@@ -35,8 +35,8 @@ PICTURES: dict[str, type[Picture]] = {
     topics.CHECKPOINT: CheckpointPicture,
     topics.TEMPERATURE: TemperaturePicture,
     topics.DIAGNOSTICS: HealthPicture,
-    'rcl_interfaces/msg/Log': LogPicture,
-    'std_msgs/msg/String': TextPicture,
+    topics.LOG: LogPicture,
+    topics.TEXT: TextPicture,
 }
 """Picture by message type; every other type is drawn as numbers and arrays."""
 
