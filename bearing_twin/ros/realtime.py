@@ -123,15 +123,18 @@ def status(
                 level = max(level, what, key=lambda x: x.value)
                 texts.append(text.format(value))
                 break
+    # Which of the limits are exceeded changes from second to second on a busy machine.
+    kind = 'late' if texts else ''
     if report.recently_dropped:
-        level = Level.ERROR
+        level, kind = Level.ERROR, 'dropped'
         texts.insert(0, f'{report.recently_dropped} of the last blocks dropped')
     if not active:
-        level, texts = Level.OK, ['not active']
+        level, texts, kind = Level.OK, ['not active'], ''
     elif clocks > 1:
-        level, texts = Level.ERROR, [f'{clocks} publishers of /clock, whose times differ: end one']
+        text = f'{clocks} publishers of /clock, whose times differ: end one'
+        level, texts, kind = Level.ERROR, [text], ''
     elif still:
-        level, texts = Level.OK, ['/clock stands still, so no blocks are published']
+        level, texts, kind = Level.OK, ['/clock stands still, so no blocks are published'], ''
     return Status(
         level,
         '; '.join(texts) or ('in step with /clock' if simulated else 'in time'),
@@ -149,4 +152,5 @@ def status(
             'clock_steps': report.clock_steps,
             'scheduling': scheduling,
         },
+        kind,
     )

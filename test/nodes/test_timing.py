@@ -94,6 +94,15 @@ def test_an_execution_time_that_varies_is_reported(longest, level):
     assert ('what a cycle takes varies' in found.message) == (level != Level.OK)
 
 
+def test_another_limit_that_is_exceeded_at_the_same_level_is_no_news():
+    shaken = np.arange(1000) * PERIOD + 0.01 * (np.arange(1000) % 2)
+    durations = np.where(np.arange(1000) % 2, 0.001, 0.03)
+    one, two = (status_of(shaken, taken) for taken in (np.full(1000, 0.001), durations))
+    assert one.message != two.message
+    assert (one.level, one.kind) == (two.level, two.kind)
+    assert one.kind
+
+
 @pytest.mark.parametrize('name', [each.name for each in realtime_parameters.THRESHOLDS])
 def test_a_warning_above_the_error_is_refused(name):
     with pytest.raises(BearingTwinError, match=f'{name}.warn=9 must not be above'):
