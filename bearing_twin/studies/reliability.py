@@ -301,12 +301,9 @@ def _errors(said: NDArray[np.float64], right: NDArray[np.float64]) -> tuple[str,
 
 def _draw(path: Path, weights: dict[str, dict[str, float]], told: Sequence[RatedAnswer]) -> None:
     """Draw the share of right answers over the confidence, one panel for each kind of answer."""
-    # A backend without a window: this runs on servers.
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 2.6), layout='constrained')
-    FigureCanvasAgg(figure)
     axes: Any = figure.subplots(1, len(KINDS), sharey=True)
     for axis, kind in zip(axes, KINDS, strict=True):
         said, right = _read(weights, [t for t in told if t.kind == kind])

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
@@ -25,9 +24,8 @@ _DPI = 130
 def new_figure(
     title: str, *, width: float = 10.0, height: float = 4.4, automatic: bool = True
 ) -> Figure:
-    """Return a figure, size in inches, drawn by Agg whatever the user's backend is."""
+    """Return a figure, size in inches. Without pyplot, no backend of the user opens a window."""
     figure = Figure(figsize=(width, height), layout='constrained' if automatic else None)
-    FigureCanvasAgg(figure)
     figure.suptitle(title, fontsize=12, fontweight='bold')
     return figure
 
