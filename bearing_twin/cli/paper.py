@@ -5,15 +5,17 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import UsageError
+from bearing_twin.cli.arguments import processes
 from bearing_twin.paper import claims_table, recompute, summary_line
 
 if TYPE_CHECKING:
     import argparse
+
+
+MOST_PROCESSES = 256
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -24,12 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='folder for report.md, claims.json and the figures (default runs/paper); it has to '
         'be new, empty, or written by this command',
     )
-    parser.add_argument(
-        '--processes',
-        type=int,
-        default=os.cpu_count() or 1,
-        help='processes for the simulations (default: number of cores)',
-    )
+    parser.add_argument('--jobs', type=int, help='processes (default: one a core)')
     form = parser.add_mutually_exclusive_group()
     form.add_argument('--json', action='store_true', help='print the claims as JSON')
     form.add_argument(
@@ -39,10 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Recompute; return 0 when everything was written."""
-    if not 1 <= args.processes <= 256:
-        msg = f'--processes {args.processes} is outside 1..256; leave it out to use every core'
-        raise UsageError(msg)
-    claims = recompute(args.out, processes=args.processes)
+    claims = recompute(args.out, processes=processes(args.jobs, MOST_PROCESSES))
     if args.json:
         entries = [claim.to_dict() for claim in claims]
         print(json.dumps(entries, indent=2, ensure_ascii=False, allow_nan=False))

@@ -43,7 +43,7 @@ def keep(module, name, **more):
 
 keep(study, 'in_parallel')
 keep(sys.modules[recompute.__module__], 'run_study', **size)
-sys.exit(main(['paper', '--out', str(folder / 'out'), '--processes', '2', '--json']))
+sys.exit(main(['paper', '--out', str(folder / 'out'), '--jobs', '2', '--json']))
 """
 """
 The command, which keeps what it has simulated.

@@ -153,9 +153,9 @@ def test_own_folder_is_written_again(tmp_path):
         prepare_folder(folder)
 
 
-def test_processes_out_of_range(tmp_path, capsys):
-    assert main(['paper', '--out', str(tmp_path / 'out'), '--processes', '0']) == 2
-    assert '1..256' in capsys.readouterr().err
+def test_no_process_is_refused_before_a_folder_is_made(tmp_path, capsys):
+    assert main(['paper', '--out', str(tmp_path / 'out'), '--jobs', '0']) == 2
+    assert '--jobs 0: at least one process' in capsys.readouterr().err
     assert not (tmp_path / 'out').exists()
 
 
