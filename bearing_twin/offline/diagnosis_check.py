@@ -40,8 +40,8 @@ class DiagnosisCheck:
     window, so a verdict that is missing in the recording does not shift the later ones.
     """
 
-    def __init__(self, namespace: str, result: Reproduction) -> None:
-        self._topic = f'{namespace}/diagnosis'
+    def __init__(self, topic: str, result: Reproduction) -> None:
+        self._topic = topic
         self._result = result
         self.notes: list[str] = []
         """Remarks on this diagnosis; a list of its own, as twins are re-run in another thread."""

@@ -27,10 +27,11 @@ from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator, Mapping
     from pathlib import Path
 
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
+    from bearing_twin.recording.reader import TopicInfo
 
 
 TYPES = {CHECKPOINT, DIAGNOSIS, DIAGNOSTICS, TWIN_STATE, VIBRATION}
@@ -61,17 +62,24 @@ def reproduce(path: Path) -> Reproduction:
     messages = _Messages(read_messages(path, topics=topics, problems=result.notes), result)
     twins = _Twins(info.topics, result)
     diagnoses: dict[str, DiagnosisCheck] = {}
+    verdicts = _verdict_topics(info.topics)
     # Twins and diagnoses run in two threads: the compiled code of both releases the interpreter.
     for message in ahead(map(twins.take, messages), depth=AHEAD, batch=BATCH):
         namespace, _, name = message.topic.rpartition('/')
-        diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(namespace, result))
         with known_fields(message.topic, message.type_name):
+            checkpoint = message.decode() if message.type_name == CHECKPOINT else None
+            if checkpoint is not None:
+                namespace = _namespace(message.topic, checkpoint, info.topics)
+            topic = verdicts.get(namespace, f'{namespace}/diagnosis')
+            diagnosis = diagnoses.setdefault(namespace, DiagnosisCheck(topic, result))
             if message.type_name == VIBRATION and name == 'vibration':
                 diagnosis.vibration(message)
-            elif name == 'diagnosis':
+            elif message.topic == topic:
                 diagnosis.verdict(message)
-            elif name == 'diagnosis_checkpoint':
-                diagnosis.checkpoint(message.decode())
+            elif message.type_name == DIAGNOSIS:
+                result.topics.setdefault(message.topic, Agreement()).skipped += 1
+            elif checkpoint is not None and checkpoint.kind == 'diagnosis':
+                diagnosis.checkpoint(checkpoint)
     messages.finish()
     twins.finish()
     for diagnosis in diagnoses.values():
@@ -144,14 +152,18 @@ class _Twins:
             elif name == 'twin_state':
                 state = message.decode()
                 self._twin_of_state(namespace, state).state(state)
-            elif name == 'twin_checkpoint':
-                self._twin(namespace).checkpoint(message.decode())
-            elif name == 'checkpoint' and message.type_name == CHECKPOINT:
-                checkpoint = message.decode()
-                node = str(checkpoint.node)
-                fleet = self._fleets.setdefault(node, FleetCheck(node, self._result))
-                fleet.checkpoint(checkpoint, self._twin)
+            elif message.type_name == CHECKPOINT:
+                self._checkpoint(message.topic, message.decode())
         return message
+
+    def _checkpoint(self, topic: str, checkpoint: Any) -> None:
+        if checkpoint.kind == 'twin':
+            namespace = _namespace(topic, checkpoint, self._topics)
+            self._twin(namespace).checkpoint(checkpoint)
+        elif checkpoint.kind == 'fleet':
+            node = str(checkpoint.node)
+            fleet = self._fleets.setdefault(node, FleetCheck(node, self._result))
+            fleet.checkpoint(checkpoint, self._twin)
 
     def finish(self) -> None:
         """Re-run the waiting blocks."""
@@ -187,6 +199,30 @@ class _Twins:
                 self._twins.pop(former, None)
                 break
         return twin
+
+
+def _namespace(topic: str, checkpoint: Any, topics: Collection[str]) -> str:
+    """
+    Return the namespace of the other topics of a checkpoint's node.
+
+    It is that of its topic, or of the node if the topic is remapped. Beside another node that has
+    not remapped its own it belongs to none: the topic itself is returned.
+    """
+    namespace, _, name = topic.rpartition('/')
+    own = f'{checkpoint.kind}_checkpoint'
+    if name == own:
+        return namespace
+    namespace = str(checkpoint.node).rpartition('/')[0]
+    return topic if f'{namespace}/{own}' in topics else namespace
+
+
+def _verdict_topics(topics: Mapping[str, TopicInfo]) -> dict[str, str]:
+    """Return the only topic of verdicts of a namespace, by namespace, where it is remapped."""
+    found: dict[str, list[str]] = {}
+    for topic in sorted(topics):
+        if topics[topic].type_name == DIAGNOSIS:
+            found.setdefault(topic.rpartition('/')[0], []).append(topic)
+    return {namespace: every[0] for namespace, every in found.items() if len(every) == 1}
 
 
 def _in_order_of_sending(messages: Iterable[RecordedMessage]) -> Iterator[RecordedMessage]:

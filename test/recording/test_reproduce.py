@@ -322,6 +322,38 @@ def test_a_twin_whose_vibration_was_renamed_beside_a_sensor(
     assert any(note.startswith('/fan/vibration: no twin') for note in result.notes)
 
 
+def test_renamed_checkpoints_and_verdicts_are_compared(run: Path, tmp_path: Path) -> None:
+    names = {
+        '/twin_checkpoint': '/plant/states_of_twins',
+        '/diagnosis_checkpoint': '/plant/states',
+        '/diagnosis': '/verdict',
+    }
+    with RecordingWriter(tmp_path / 'one') as one, RecordingWriter(tmp_path / 'two') as two:
+        for m in read_messages(run):
+            put(one, m, names.get(m.topic, m.topic))
+            put(two, m, names.get(m.topic, m.topic))
+            if m.topic == '/diagnosis':
+                put(two, m, '/other')
+    result = reproduce(tmp_path / 'one')
+    assert result.identical, result
+    assert result.topics['/vibration'].identical == 12 * 25
+    assert result.topics['/verdict'].identical == 12
+    # Which one is the diagnosis's own?
+    uncompared = reproduce(tmp_path / 'two').uncompared
+    assert uncompared == ['/diagnosis', '/other', '/verdict']
+
+
+def test_renamed_checkpoints_of_a_second_node_are_not_those_of_the_first(
+    run: Path, tmp_path: Path
+) -> None:
+    with RecordingWriter(tmp_path / 'two') as two:
+        for m in read_messages(run):
+            put(two, m)
+            if m.topic.endswith('_checkpoint'):
+                put(two, m, f'{m.topic}s', changed(m, node='/second', state=np.zeros(1, np.uint8)))
+    assert reproduce(tmp_path / 'two').identical
+
+
 def test_a_renamed_twin_without_its_first_block_takes_no_other_twins(
     run: Path, tmp_path: Path
 ) -> None:
@@ -439,7 +471,8 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
         nodes.start('recorder', {'output': str(tmp_path / 'bag')})
         # What one of them is held up for, the other shall not have alone.
         deep = {'qos_overrides./vibration.subscription.depth': 1000}
-        nodes.start('diagnosis', {'bearing': '6307', 'update_interval': 0.5, **deep})
+        renamed = ('-r', 'diagnosis:=verdict', '-r', 'diagnosis_checkpoint:=/plant/states')
+        nodes.start('diagnosis', {'bearing': '6307', 'update_interval': 0.5, **deep}, ros=renamed)
         source.wait_for_recorder(recorders=2)
         source.wait_for('diagnosis: vibration input')
         source.wait_for('recorder: recording')
@@ -451,12 +484,16 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
         }
         # No verdict of a block that the diagnosis had and the recorder had not.
         deep = {f'qos_overrides./{t}.publisher.depth': 1000 for t in ('vibration', 'twin_state')}
-        nodes.start('twin', {'bearing': '6307', 'wait_for_subscribers': 2, **own, **deep})
+        nodes.start(
+            'twin',
+            {'bearing': '6307', 'wait_for_subscribers': 2, **own, **deep},
+            ros=('-r', 'twin_checkpoint:=/plant/states'),
+        )
         source.wait_for('twin: real time')
         # Blocks before the recorder had found the twin are lost; a reset gives a checkpoint now.
         assert source.call(Trigger, '/twin/reset').success
         verdicts: list[Diagnosis] = []
-        source.node.create_subscription(Diagnosis, 'diagnosis', verdicts.append, RESULT)
+        source.node.create_subscription(Diagnosis, 'verdict', verdicts.append, RESULT)
         replay = {'recording': str(schedule), 'rate': 2.0}
         nodes.start('replay', {**replay, 'subscriber_timeout': TIMEOUT})
         assert nodes.wait('replay', TIMEOUT) == 0
@@ -467,12 +504,10 @@ def test_a_live_run_is_reproduced_offline(ros_domain: int, tmp_path: Path, sched
     assert result.identical, result
     # Fewer where a machine that is busy with something else makes the twin give up blocks.
     assert result.topics['/vibration'].identical > 100
-    assert result.topics['/diagnosis'].identical > 3
-    assert result.topics['/diagnosis'].skipped == 0
-    kept = [
-        configuration_values(message.decode())
-        for message in read_messages(tmp_path / 'bag', topics=['/twin_checkpoint'])
-    ]
+    assert result.topics['/verdict'].identical > 3
+    assert result.topics['/verdict'].skipped == 0
+    checkpoints = [m.decode() for m in read_messages(tmp_path / 'bag', topics=['/plant/states'])]
+    kept = [configuration_values(made) for made in checkpoints if made.kind == 'twin']
     assert own.items() <= kept[-1].items()
 
 
