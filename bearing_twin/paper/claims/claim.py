@@ -45,18 +45,19 @@ class Claim:
     printed under every setting, and holds under every reading, becomes a misprint."""
 
     def __post_init__(self) -> None:
+        verdict, why = self.verdict, self.why
         if self.as_printed is not None:
-            object.__setattr__(self, 'verdict', all_settings(self.as_printed))
+            verdict = all_settings(self.as_printed)
             if len(set(self.as_printed.values())) > 1:
-                object.__setattr__(
-                    self, 'why', self.why + _outcome('As printed ', self.as_printed)
-                )
+                why += _outcome('As printed ', self.as_printed)
         if self.as_read is not None:
             if self.as_printed is None:
                 raise ValueError(f'{self.id}: a reading needs what is printed beside it')
-            object.__setattr__(self, 'why', self.why + _outcome('As read ', self.as_read))
-            if self.verdict == CONTRADICTED and all_settings(self.as_read) == REPRODUCED:
-                object.__setattr__(self, 'verdict', MISPRINT)
+            why += _outcome('As read ', self.as_read)
+            if verdict == CONTRADICTED and all_settings(self.as_read) == REPRODUCED:
+                verdict = MISPRINT
+        object.__setattr__(self, 'verdict', verdict)
+        object.__setattr__(self, 'why', why)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields, numbers rounded to 6 digits, ready for JSON."""
