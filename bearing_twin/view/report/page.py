@@ -7,6 +7,7 @@ from __future__ import annotations
 from datetime import datetime, timezone
 from html import escape
 import math
+import re
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin import __version__
@@ -135,7 +136,9 @@ def _overview(machines: Sequence[Machine]) -> list[str]:
             worst = machine.headline.worst.best
             title, known = title_of(worst), dict(facts(worst))
         cells = ''.join(f'<td>{escape(known.get(name, ""))}</td>' for name in OVERVIEW)
-        link = f'<a href="#m{count}">{escape(machine.name)}</a>'
+        # A name breaks between its parts, where it has any.
+        name = re.sub('(?<=[_-])', '<wbr>', escape(machine.name))
+        link = f'<a href="#m{count}">{name}</a>'
         rows.append(f'<tr><th>{link}</th><td{_colour(machine)}>{escape(title)}</td>{cells}</tr>')
     text = f'<div class="wide"><table>{"".join(rows)}</table></div>'
     parts = ['<section class="overview">', text, *_pictures(verdicts_over_time(machines))]
