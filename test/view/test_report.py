@@ -62,7 +62,7 @@ def page(recording):
 class Elements(HTMLParser):
     """Collect tags, ids and references of a page, and check that tags are closed."""
 
-    VOID = frozenset({'meta', 'br', 'link', 'img', 'hr', 'input'})
+    VOID = frozenset({'meta', 'br', 'link', 'img', 'hr', 'input', 'wbr'})
 
     def __init__(self, text):
         super().__init__()

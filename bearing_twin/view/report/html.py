@@ -24,8 +24,8 @@ p.sub { color: #616161; margin: 0 0 10px; }
   print-color-adjust: exact; -webkit-print-color-adjust: exact; overflow-wrap: anywhere; }
 td.verdict { border-radius: 0; padding: 2px 8px; font-weight: 600; }
 .wide { overflow-x: auto; } .wide table { min-width: 660px; } .wide th { width: auto; }
-.wide td, .wide tr:first-child th { overflow-wrap: normal; } .wide td + td { padding-left: 8px; }
-.wide tr > :first-child { min-width: 10em; }
+.wide td, .wide tr:first-child th { overflow-wrap: normal; }
+.wide tr > :first-child { min-width: 10em; } .wide td + td, .wide th + th { padding-left: 8px; }
 .print { display: none; }
 .verdict b { display: block; font-size: 28px; line-height: 1.2; }
 .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 0 24px; align-items: start; }
