@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+SQLITE = '.db3'
+"""Suffix of the files of a bag in the storage sqlite3, the default of ROS 2 before Iron."""
 SIGNAL_FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
 """Suffixes of vibration files of other formats, each with its reader in `signals.signalfile`."""
 
@@ -38,17 +40,25 @@ def natural(path: Path) -> list[tuple[int, str]]:
     return [(int(word), '') if word.isdecimal() else (-1, word) for word in words]
 
 
-def diagnose_hint(path: Path) -> str:
+def reading_hint(path: Path) -> str:
     """
-    Return the end of an error message: the command that reads the vibration files at a path.
+    Return the end of an error message: the command that reads or converts the files at a path.
 
-    It is empty if there are none.
+    It is empty if there is none.
 
     >>> from pathlib import Path
-    >>> diagnose_hint(Path('bearing.csv'))
+    >>> reading_hint(Path('bearing.csv'))
     "; 'bearing-twin diagnose' reads vibration files"
 
     """
+    alone = SQLITE in path.suffixes
+    if alone or any(path.glob(f'*{SQLITE}*')):
+        bag = path.parent if alone else path
+        words = ('--src', str(bag), '--dst', f'{bag.resolve().name}_mcap', '--dst-storage', 'mcap')
+        return (
+            '; bags in the storage sqlite3 are not read: make an MCAP bag of it with '
+            f"'rosbags-convert {shlex.join(words)}'"
+        )
     if ending(path) in SIGNAL_FILES and not path.is_dir():
         return "; 'bearing-twin diagnose' reads vibration files"
     names = [item for item in path.glob('[!.]*') if item.is_file()]
@@ -92,5 +102,5 @@ def find_recording(path: Path) -> Path:
     if len(pictures) == 1:
         return pictures[0]
     msg = f'{path} holds no recording: no .mcap file and no single .rrd file is in it'
-    msg += diagnose_hint(path)
+    msg += reading_hint(path)
     raise BearingTwinError(msg)

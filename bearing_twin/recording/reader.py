@@ -11,7 +11,7 @@ import struct
 from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.finding import diagnose_hint, natural
+from bearing_twin.recording.finding import natural, reading_hint
 from bearing_twin.recording.mcap.catalogue import (
     Catalogue,
     DEFINITIONS,
@@ -110,7 +110,7 @@ def recording_files(path: Path) -> list[Path]:
         if is_folder:
             # The folder of a demo holds the bag folder and its Rerun file.
             inside = sorted({str(found.parent) for found in path.glob('*/*.mcap')})
-            hint = f'; name the bag in it, e.g. {inside[0]}' if inside else diagnose_hint(path)
+            hint = f'; name the bag in it, e.g. {inside[0]}' if inside else reading_hint(path)
             msg = f'{path} is no recording: no .mcap file is in it{hint}'
         raise BearingTwinError(msg)
     refuse_special(path)

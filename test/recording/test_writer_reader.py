@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import os
+import shlex
 import struct
+import sys
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -30,6 +32,7 @@ from recording_samples import (
     vibration_cdr,
     write_blocks,
 )
+from rosbags.convert.cli import main as convert_bag
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 import yaml
@@ -132,6 +135,25 @@ def test_a_folder_around_a_bag_names_it(tmp_path: Path) -> None:
     (tmp_path / 'empty').mkdir()
     with pytest.raises(BearingTwinError, match=r'no \.mcap file is in it$'):
         recording_info(tmp_path / 'empty')
+
+
+def test_a_bag_of_the_storage_sqlite3_is_converted_as_its_refusal_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def convert(words: list[str]) -> None:
+        monkeypatch.setattr(sys, 'argv', words)
+        with pytest.raises(SystemExit, match='0'):
+            convert_bag()
+
+    write_blocks(tmp_path / 'mcap', 3)
+    convert(['', '--src', 'mcap', '--dst', 'run 7', '--dst-storage', 'sqlite3'])
+    for name in ('run 7', 'run 7/run 7.db3'):
+        with pytest.raises(BearingTwinError, match='bags in the storage sqlite3 are not') as error:
+            recording_info(tmp_path / name)
+    convert(shlex.split(str(error.value).split("'", 1)[1].removesuffix("'")))
+    assert len(list(read_messages(tmp_path / 'run 7_mcap'))) == 6
 
 
 def test_split_by_size(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import re
 import struct
 from typing import BinaryIO, TYPE_CHECKING
 
-from bearing_twin.recording.finding import diagnose_hint
+from bearing_twin.recording.finding import reading_hint
 from bearing_twin.recording.mcap.chunks import Chunks, ReadLimitExceeded
 from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
@@ -96,7 +96,7 @@ def open_mcap(path: Path) -> BinaryIO:
         for _ in sound_records(chunks, (Opcode.CHUNK, Opcode.MESSAGE), lambda _: None):
             return file
         file.close()
-        msg = f'{path} is no MCAP file: {error}{diagnose_hint(path)}'
+        msg = f'{path} is no MCAP file: {error}{reading_hint(path)}'
         raise BrokenRecording(msg, 0, size) from None
     return file
 
