@@ -55,7 +55,7 @@ def _summary(result: Reproduction) -> str:
     if result.uncompared:
         return (
             f'NOT compared: {", ".join(result.uncompared)}; the checkpoint to begin from, '
-            'or the inputs after it, were not recorded'
+            'or the inputs after it, were not recorded under the names of the nodes'
         )
     skipped = sum(agreement.skipped for agreement in agreements)
     missing = sum(agreement.missing for agreement in agreements)
