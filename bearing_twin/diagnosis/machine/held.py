@@ -66,12 +66,10 @@ class HeldLevel:
     """Held level; empty before the first verdict."""
     newest: list[str] = field(default_factory=list)
     """Levels of the newest verdicts."""
-    asked: float = 0.0
-    """Time for which verdicts have asked for the level, or a higher one, since it rose, s."""
-    paused: float = 0.0
-    """Time for which they did not, before the present pause, s."""
+    times: list[float] = field(default_factory=lambda: [0.0] * len(LEVELS))
+    """Time for which verdicts have asked for each of ``LEVELS`` since the level last rose, s."""
     quiet: float = 0.0
-    """Length of the present pause, s."""
+    """Length of the present pause, in which none asks for the level or a higher one, s."""
     since_fall: float = math.inf
     """Time since a level fell, s."""
     returned: bool = False
@@ -79,8 +77,9 @@ class HeldLevel:
 
     def __post_init__(self) -> None:
         """Refuse a saved level that there is not."""
-        times = (self.asked, self.paused, self.quiet, self.since_fall)
+        times = (*self.times, self.quiet, self.since_fall)
         known = {self.level or 'ok', *self.newest} <= {*LEVELS}
+        known = known and len(self.times) == len(LEVELS)
         if not (known and all(time >= 0.0 for time in times)):
             raise BearingTwinError(f'saved level is {self!r:.200}; use what save() returned')
 
@@ -92,15 +91,15 @@ class HeldLevel:
         held = LEVELS.index(self.level) if self.level else -1
         if not self.level or (full and ranks[-1] == min(ranks) > held):
             self.returned = self.since_fall < pace.longest and not pace.simulated
-            self._set(level, pace)
-        elif ranks[-1] >= held:
-            self.asked += pace.interval
-            self.paused, self.quiet = self.paused + self.quiet, 0.0
-        else:
-            self.quiet += pace.interval
-            if full and ranks[-1] == max(ranks) and self.quiet >= self.wait(pace):
-                self._set(level, pace)
-                self.since_fall = 0.0
+            self.level, self.quiet = level, 0.0
+            self.times = [0.0] * len(LEVELS)
+            self.times[ranks[-1]] = len(self.newest) * pace.interval
+            return level
+        self.times[ranks[-1]] += pace.interval
+        self.quiet = 0.0 if ranks[-1] >= held else self.quiet + pace.interval
+        lower = full and held > ranks[-1] == max(ranks)
+        if lower and self.quiet >= self.wait(pace):
+            self.level, self.quiet, self.since_fall = level, 0.0, 0.0
         return self.level
 
     def in_a_row(self, level: str) -> int:
@@ -109,28 +108,24 @@ class HeldLevel:
         asks = (each not in lower for each in reversed(self.newest))
         return sum(1 for _ in itertools.takewhile(bool, asks))
 
-    def _set(self, level: str, pace: Pace) -> None:
-        self.level, self.asked = level, len(self.newest) * pace.interval
-        self.paused = self.quiet = 0.0
-
     def wait(self, pace: Pace) -> float:
         """Return the length of a pause after which the level falls, s."""
         least = pace.updates * pace.interval
         if self.returned:
             return max(pace.longest, least)
-        if self.asked < least:
+        held = LEVELS.index(self.level)
+        asked, others = sum(self.times[held:]), sum(self.times[:held])
+        if asked < least:
             return least
-        most = math.ceil(pace.longest / pace.interval)
-        enough = bisect_left(
-            range(most), True, key=lambda count: self._is_change(count * pace.interval, pace)
-        )
-        return max(enough * pace.interval, least)
-
-    def _is_change(self, pause: float, pace: Pace) -> bool:
-        """Return whether a steady machine makes such a pause less than once in the hold."""
         span, longest = pace.span, pace.longest
-        a, b = max(self.asked / span, 1.0), 1.0 + self.paused / span
-        return _log_beta(a, b + pause / span) - _log_beta(a, b) <= math.log(span / longest)
+        a, b = max(asked / span, 1.0), 1.0 + (others - self.quiet) / span
+
+        def is_change(count: int) -> bool:
+            pause = count * pace.interval / span
+            return _log_beta(a, b + pause) - _log_beta(a, b) <= math.log(span / longest)
+
+        most = math.ceil(longest / pace.interval)
+        return max(bisect_left(range(most), True, key=is_change) * pace.interval, least)
 
     def is_low(self, pace: Pace) -> bool:
         """Return whether the newest verdicts are all *ok*, whatever level is held."""

@@ -45,7 +45,7 @@ def test_the_pause_is_that_of_the_rule_of_succession():
     """Share p uniform, nine windows of ten asked besides the one that raised the level."""
     p = (np.arange(1_000_000) + 0.5) / 1_000_000
     weight = p**9 * (1.0 - p)
-    held = HeldLevel('fault', ['fault'] * 3, asked=80.0, paused=8.0)
+    held = HeldLevel('fault', ['fault'] * 3, times=[0.0, 0.0, 8.0, 80.0])
     pause = held.wait(PACE)
     for seconds, unlikely in ((pause, True), (pause - 1.0, False)):
         chance = (weight * (1.0 - p) ** (seconds / 8.0)).sum() / weight.sum()
@@ -80,6 +80,14 @@ def test_the_highest_of_the_newest_levels_is_what_a_level_falls_to():
     assert 'ok' not in levels
 
 
+@pytest.mark.parametrize('between', [15, 60, 600])
+def test_a_fault_that_fades_away_over_suspect_ends_as_soon_as_one_that_goes_at_once(between):
+    """Verdicts that ask for a fault ask for a suspicion as well."""
+    levels = _held(['ok'] * 5 + ['fault'] * 600 + ['suspect'] * between + ['ok'] * 3600)
+    assert levels[605:].index('suspect') == 11
+    assert levels[605 + between :].index('ok') <= 11
+
+
 def test_verdicts_that_ask_for_different_higher_levels_raise_it_to_the_lower_one():
     assert _held(['ok'] + ['suspect', 'fault'] * 2 + ['fault'] * 2) == (
         ['ok'] * 3 + ['suspect'] * 3 + ['fault']
@@ -106,7 +114,7 @@ def test_a_saved_level_goes_on_to_the_bit_and_another_one_is_refused():
     assert again == held
     assert _held(own, held) == _held(own, again)
     assert again == held
-    wrong = {'level': 'broken', 'newest': ['broken'], 'quiet': math.nan, 'asked': -1.0}
-    for name, value in wrong.items():
+    wrong = {'level': 'broken', 'newest': ['broken'], 'quiet': math.nan, 'times': [-1.0] * 4}
+    for name, value in [*wrong.items(), ('times', [1.0])]:
         with pytest.raises(BearingTwinError, match='saved level'):
             replace(held, **{name: value})
