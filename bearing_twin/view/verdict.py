@@ -10,7 +10,7 @@ from typing import Any
 
 from bearing_twin.bearing.geometry import FaultFrequencies
 from bearing_twin.bearing.vocabulary import next_step as next_step_of
-from bearing_twin.bearing.vocabulary import PLACES, STAGES, TITLES
+from bearing_twin.bearing.vocabulary import PLACES, RESULTS, STAGES, TITLES
 from bearing_twin.diagnosis.machine.dependence import Z90
 from bearing_twin.diagnosis.machine.level import is_urgent, SUSPECT_DB, UNRATED_CONFIDENCE
 from bearing_twin.diagnosis.rules.confidence import CLAIMS, kind_of
@@ -351,14 +351,20 @@ class Headline:
 
     @property
     def ending(self) -> str:
-        """State at the end in words, if it is no longer the worst verdict; else ''."""
+        """
+        State at the end in words, if it is not the worst verdict or only held; else ''.
+
+        A level is held for up to an hour after the last window that asked for it.
+        """
         if not self.count:
             return ''
         end, shaft = '', ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
         if self.worst.best.result_name != self.last.result_name:
             end = title_of(self.last).lower()
-        elif recorded(self.last, 'window_level') == LEVEL_NONE != self.last.level:
-            end = 'held'
+        elif RANKS.get(recorded(self.last, 'window_level'), 3) < _held(self.last):
+            alone = recorded(self.last, 'window_result')
+            name = RESULTS[int(alone)] if alone in range(len(RESULTS)) else 'unknown'
+            end = 'held' if shaft else f'held, newest window {name}'
         return f'{end}{shaft}' if end else ''
 
     @property

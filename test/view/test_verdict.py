@@ -77,6 +77,16 @@ def test_a_fault_that_is_held_over_a_stop_says_so():
     assert headline(*['inner'] * 24).span.endswith('; the same at the end')
 
 
+@pytest.mark.parametrize(
+    ('result', 'level', 'name'), [(0, 0, 'healthy'), (5, 1, 'suspect'), (99, 0, 'unknown')]
+)
+def test_a_fault_that_is_held_over_windows_without_it_says_so(result, level, name):
+    held = verdict('inner')
+    held.level, held.window_level, held.window_result = 2, level, result
+    found = headline(*['inner'] * 24, *[held] * 10)
+    assert found.span.endswith(f'from 1 s to 34 s; at the end: held, newest window {name}')
+
+
 def test_long_spans_are_told_in_minutes_and_hours():
     found = Headline()
     for at in (3600.0, 5400.0, 9000.0):
