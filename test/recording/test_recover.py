@@ -191,14 +191,14 @@ class BadSector(io.BytesIO):
         return super().read(length)
 
 
-@pytest.mark.parametrize('sector', [0, 4096, 200_000])
+@pytest.mark.parametrize('sector', [0, 4096, 200_000, -4096])
 def test_a_bad_sector_costs_the_chunk_it_is_in(tmp_path: Path, sector: int) -> None:
     write_blocks(tmp_path / 'run.mcap', 60)
     found = chunks(tmp_path / 'run.mcap')
     file = BadSector((tmp_path / 'run.mcap').read_bytes())
-    file.sector = sector
-    losses: list[BrokenRecording] = []
     size = len(file.getvalue())
+    file.sector = sector = sector % size
+    losses: list[BrokenRecording] = []
     kept = len(list(in_file_order(file, size, Selection(), losses.append)))
     assert kept == 20 * sum(end <= sector or begin >= sector + 4096 for begin, end, _ in found)
     assert sum(loss.length for loss in losses) < 2 * max(end - begin for begin, end, _ in found)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from io import BytesIO
 import re
 import struct
@@ -63,7 +64,8 @@ MOST_REMEMBERED = 1000
 MOST_TABLES, BYTES_PER_TABLE = 20_000, 2000
 """Limit of repeatable records outside chunks that are read one by one: a constant, and one more
 for this many bytes of the file."""
-LENGTH = struct.Struct('<I')
+INDEX_HEAD = struct.Struct('<HI')
+"""Channel and length of the entries of a message index."""
 SHORT = 4096
 """Longest idle record and message that is handled together with others, bytes."""
 PRIVATE = 0x80
@@ -121,8 +123,8 @@ def sound_records(
         With None the error is raised.
 
     """
-    search = _Search(chunks)
-    size = chunks.size
+    search, idle = _Search(chunks), _Idle(chunks.size)
+    file, size = chunks.file, chunks.size
     offset = 0
     while offset <= size:
         found = _record(search, offset, wanted, strict=damaged is None)
@@ -144,7 +146,7 @@ def sound_records(
         end = raw.end
         private = end - raw.offset if raw.opcode >= PRIVATE else 0
         if raw.length <= SHORT and raw.opcode != Opcode.MESSAGE:
-            end, more = search.end_of_run(raw)
+            end, more = idle.behind(raw, file)
             private += more
         if damaged is not None and private:
             text = f'{private} bytes from byte {raw.offset} on are records of unknown kinds'
@@ -152,7 +154,7 @@ def sound_records(
         if data is not None:
             yield raw, data
             if raw.opcode == Opcode.MESSAGE and raw.length <= SHORT:
-                for run, records in search.messages_behind(raw):
+                for run, records in _messages_behind(raw, file):
                     yield run, records
                     end = run.end
             # Free the chunk before the next one is unpacked, as in_file_order does.
@@ -200,6 +202,92 @@ def _check_end(file: BinaryIO, raw: RawRecord, size: int) -> None:
         raise UnfinishedRecording(msg, raw.offset)
 
 
+class _Idle:
+    """
+    Idle records, which are stepped over many at a time.
+
+    These are the kinds whose content no reader uses, and exact repetitions of earlier records. A
+    small file can hold millions of them, which would take minutes one by one. After
+    ``MOST_TABLES`` all repeatable records are idle.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._known: set[bytes] = set()
+        self._tables = MOST_TABLES + size // BYTES_PER_TABLE
+
+    def behind(self, raw: RawRecord, file: BinaryIO) -> tuple[int, int]:
+        """Return the end of the idle records that follow ``raw``; bytes of private kinds."""
+        self._tables -= raw.opcode in REPEATABLE
+        is_empty_chunk = raw.opcode == Opcode.CHUNK and raw.length == CHUNK_FIXED
+        if (raw.opcode in REPEATABLE or is_empty_chunk) and len(self._known) < MOST_REMEMBERED:
+            # A bad sector inside a record that is not wanted does no harm.
+            with suppress(BrokenRecording):
+                self._known.add(read_at(file, raw.offset, raw.end - raw.offset))
+        end, private = raw.end, 0
+        for records in _short_records(file, end, self._holds):
+            end += sum(map(len, records))
+            private += sum(len(record) for record in records if record[0] >= PRIVATE)
+        return end, private
+
+    def _holds(self, record: bytes) -> bool:
+        opcode = record[0]
+        if opcode == Opcode.MESSAGE_INDEX:
+            return _index_length(record[RECORD_HEAD.size :]) == len(record) - RECORD_HEAD.size
+        if opcode in REPEATABLE and self._tables < 0:
+            return True
+        return opcode in STEPPED_OVER or record in self._known
+
+
+def _messages_behind(raw: RawRecord, file: BinaryIO) -> Iterator[tuple[RawRecord, bytes]]:
+    """
+    Yield the short messages that directly follow ``raw``, many records at a time.
+
+    Read one by one, millions of messages without chunks take twice as long.
+    """
+    least, end = RECORD_HEAD.size + MESSAGE_HEAD.size, raw.end
+    for records in _short_records(
+        file, end, lambda record: record[0] == Opcode.MESSAGE and len(record) >= least
+    ):
+        data = b''.join(records)
+        yield RawRecord(end, Opcode.MESSAGE, len(data) - RECORD_HEAD.size), data
+        end += len(data)
+
+
+def _short_records(
+    file: BinaryIO, offset: int, belongs: Callable[[bytes], bool]
+) -> Iterator[list[bytes]]:
+    """
+    Yield the short records from ``offset`` on, with their heads, many at a time.
+
+    They end before the first record that is long, incomplete, or does not belong to them.
+    """
+    # Most records are followed by few that belong: begin with a short look ahead.
+    room, ended = RECORD_HEAD.size + SHORT, False
+    while not ended:
+        try:
+            block = read_at(file, offset, room)
+        except BrokenRecording:
+            # A bad sector: the records before it are read one by one.
+            return
+        records, at = [], 0
+        while not ended and at + RECORD_HEAD.size <= len(block):
+            _, length = RECORD_HEAD.unpack_from(block, at)
+            end = at + RECORD_HEAD.size + length
+            if end > len(block) and length <= SHORT:
+                # The next block has the whole record.
+                break
+            record = block[at:end]
+            ended = length > SHORT or not belongs(record)
+            if not ended:
+                records.append(record)
+                at = end
+        if not records:
+            return
+        yield records
+        offset += at
+        room = min(8 * room, BLOCK)
+
+
 class _Search:
     """Find the next sound record after damage; the number of bytes read for this is limited."""
 
@@ -210,8 +298,6 @@ class _Search:
         self.file = chunks.file
         self.size = chunks.size
         self._room = 4 * self.size + 64 * 1024 * 1024
-        self._read_before: set[bytes] = set()
-        self._tables = MOST_TABLES + self.size // BYTES_PER_TABLE
 
     def consistent(self, raw: RawRecord) -> bool:
         """
@@ -227,8 +313,7 @@ class _Search:
             head = read_at(self.file, raw.begin, CHUNK_FIXED + LONGEST_NAME)
             return _chunk_length(head) == raw.length
         if raw.opcode == Opcode.MESSAGE_INDEX:
-            head = read_at(self.file, raw.begin, 6)
-            return raw.length >= 6 and struct.unpack_from('<I', head, 2)[0] == raw.length - 6
+            return _index_length(read_at(self.file, raw.begin, INDEX_HEAD.size)) == raw.length
         if raw.opcode == Opcode.ATTACHMENT:
             return self._attachment_length(raw) == raw.length
         if raw.opcode == Opcode.MESSAGE:
@@ -240,77 +325,6 @@ class _Search:
             rest = raw.begin + stream.count
             return rest == raw.end or not self._plausible(rest)
         return True
-
-    def end_of_run(self, raw: RawRecord) -> tuple[int, int]:
-        """
-        Return the end of the idle records that follow ``raw``, and their bytes of private kinds.
-
-        Idle records are kinds whose content no reader uses, and exact repetitions of records. A
-        small file can hold millions of them, which would take minutes one by one. After
-        ``MOST_TABLES`` all repeatable records are idle.
-        """
-        end, private = raw.end, 0
-        self._tables -= raw.opcode in REPEATABLE
-        idle = STEPPED_OVER if self._tables >= 0 else STEPPED_OVER.union(REPEATABLE)
-        told_again = raw.opcode in REPEATABLE or raw.length == CHUNK_FIXED
-        if told_again and len(self._read_before) < MOST_REMEMBERED:
-            self._read_before.add(read_at(self.file, raw.offset, end - raw.offset))
-        # Most records are not followed by idle ones: begin with a short look ahead.
-        room = 2 * (raw.end - raw.offset)
-        while end < self.size:
-            block = read_at(self.file, end, room)
-            at, last = 0, len(block) - RECORD_HEAD.size
-            while at <= last:
-                opcode, length = RECORD_HEAD.unpack_from(block, at)
-                step = RECORD_HEAD.size + length
-                if length > SHORT or end + at + step > self.size:
-                    return end + at, private
-                if at and at + step > len(block):
-                    # The record continues in the next block.
-                    break
-                if opcode not in idle and block[at : at + step] not in self._read_before:
-                    entries = block[at + RECORD_HEAD.size + 2 : at + RECORD_HEAD.size + 6]
-                    if opcode != Opcode.MESSAGE_INDEX or entries != LENGTH.pack(
-                        max(6, length) - 6
-                    ):
-                        return end + at, private
-                if opcode >= PRIVATE:
-                    private += step
-                at += step
-            if not at:
-                return end, private
-            end += at
-            room = min(8 * room, BLOCK)
-        return end, private
-
-    def messages_behind(self, raw: RawRecord) -> Iterator[tuple[RawRecord, bytes]]:
-        """
-        Yield the short messages that directly follow ``raw``, many records at a time.
-
-        Read one by one, millions of messages without chunks take twice as long.
-        """
-        # Most files have chunks instead: begin with a short look ahead.
-        end, room = raw.end, 4 * (raw.end - raw.offset)
-        unpack, other = RECORD_HEAD.unpack_from, False
-        while True:
-            try:
-                block = read_at(self.file, end, min(room, self.size - end))
-            except BrokenRecording:
-                # A bad sector: the messages before it are read one by one.
-                return
-            at, last = 0, len(block) - RECORD_HEAD.size
-            while at <= last:
-                opcode, length = unpack(block, at)
-                other = opcode != Opcode.MESSAGE or not MESSAGE_HEAD.size <= length <= SHORT
-                if other or at + RECORD_HEAD.size + length > len(block):
-                    break
-                at += RECORD_HEAD.size + length
-            if at:
-                yield RawRecord(end, Opcode.MESSAGE, at - RECORD_HEAD.size), block[:at]
-            if other or not at:
-                return
-            end += at
-            room = min(8 * room, BLOCK)
 
     def sound_from(self, offset: int) -> int:
         """Return the next sound record after damage at ``offset``; the file size if none."""
@@ -393,3 +407,10 @@ def _chunk_length(head: bytes) -> int:
         return -1
     (data,) = struct.unpack_from('<Q', head, CHUNK_HEAD.size + name)
     return int(CHUNK_FIXED + name + data)
+
+
+def _index_length(head: bytes) -> int:
+    """Return the length of a message index by the length of its entries; -1 if it has none."""
+    if len(head) < INDEX_HEAD.size:
+        return -1
+    return INDEX_HEAD.size + int(INDEX_HEAD.unpack_from(head)[1])
