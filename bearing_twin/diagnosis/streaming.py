@@ -441,7 +441,8 @@ class StreamingDiagnoser:
 
     def _restart(self, first_sample: int, note: str) -> None:
         self._note = note
-        self._restarts += 1
+        # Several settings changed one after another, before any sample, are one restart.
+        self._restarts += self._next > self._start or not self._restarts
         self._clear(first_sample)
 
     def _clear(self, first_sample: int) -> None:

@@ -140,6 +140,20 @@ def test_a_window_that_never_fills_is_said_in_one_sentence():
     first = _push(diagnoser, fault_signal(2.0), first=1024 * number + 1024)[0]
     assert not diagnoser.overdue
     assert first.reasons[0].endswith('(74 restarts since the last verdict)')
+
+
+@pytest.mark.parametrize(
+    ('samples', 'more'), [(0, ''), (9, ' (2 restarts since the last verdict)')]
+)
+def test_settings_changed_in_one_call_or_one_after_another_give_the_same_reason(samples, more):
+    """A node changes them one by one, and a re-run all at once at the next checkpoint."""
+    diagnoser = StreamingDiagnoser(BEARING, SHORT)
+    _push(diagnoser, np.ones(100))
+    diagnoser.reconfigure(settings=replace(SHORT, hold_updates=5))
+    _push(diagnoser, np.ones(samples), first=100)
+    diagnoser.reconfigure(settings=replace(SHORT, hold_updates=5, longest_hold=60.0))
+    first = _push(diagnoser, np.ones(int(RATE)), first=100 + samples)[0]
+    assert first.reasons[0] == f'window restarted: bearing or settings were changed{more}'
     assert len(first.reasons) < 5
 
 
