@@ -44,6 +44,8 @@ _LEARNT_IN_DOUBT = (
 )
 _LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine was idle then'
 _AFTER_REPAIR = 'after a repair reset the diagnosis'
+_LONG = 600.0
+"""Pause before a level falls, s, from which a reason mentions that a reset ends it at once."""
 _MOST_OVER_DB = 0.5 * SUSPECT_DB
 """Level over the lowest, dB, from which a settled stream makes no baseline. A machine that settles
 below it, on its way to 10 dB, is suspect in the end all the same."""
@@ -354,9 +356,9 @@ class Trend:
             count = held.in_a_row(level)
         elif held.level != 'ok':
             wait, back = held.wait(pace), ', as it has come back' if held.returned else ''
-            reset = f'; {_AFTER_REPAIR}' if wait >= pace.longest else ''
+            reset = f'; {_AFTER_REPAIR}' if wait >= _LONG else ''
             return (
-                f'{held.quiet:.4g} of {wait:.4g} s without it{back}; '
+                f'{held.quiet:.9g} of {wait:.9g} s without it{back}; '
                 f'the newest verdict says {newest}, {level}{reset}'
             )
         return f'{count} of {pace.updates} verdicts say {newest}, {level}'

@@ -178,6 +178,20 @@ def test_a_held_level_says_for_how_long_and_why():
     assert published[-1].window == ('healthy', 'ok')
 
 
+@pytest.mark.parametrize(
+    ('seen', 'longest', 'wait', 'reset'),
+    [(3, 3600.0, '3593', True), (12, 1e6, '24170', True), (60, 1e6, '104', False),
+     (60, 1.0, '3', False)],
+)  # fmt: skip
+def test_a_reset_is_recommended_where_a_level_is_held_for_long(seen, longest, wait, reset):
+    trend, known = Trend(), {'wanted': 60, 'pace': Pace(longest=longest), 'full': True}
+    healthy, inner = said('healthy', 'ok'), said('inner', 'fault', 'inner')
+    for verdict in [healthy, *[inner] * seen, healthy]:
+        reason = trend.update(verdict, MACHINE, **known).reasons[-1]
+    text = f'inner, fault held: 1 of {wait} s without it; the newest verdict says healthy, ok'
+    assert reason == text + '; after a repair reset the diagnosis' * reset
+
+
 def test_windows_that_disagree_among_themselves_change_the_level_all_the_same():
     healthy, fault = said('healthy', 'ok'), said('inner', 'fault', 'inner')
     other = said('outer', 'fault', 'outer')
