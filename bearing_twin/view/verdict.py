@@ -359,9 +359,10 @@ class Headline:
         if not self.count:
             return ''
         end, shaft = '', ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
+        held = RANKS.get(recorded(self.last, 'window_level'), 3) < _held(self.last)
         if self.worst.best.result_name != self.last.result_name:
-            end = title_of(self.last).lower()
-        elif RANKS.get(recorded(self.last, 'window_level'), 3) < _held(self.last):
+            end = f'{title_of(self.last).lower()}{", held" if held else ""}'
+        elif held:
             alone = recorded(self.last, 'window_result')
             name = RESULTS[int(alone)] if alone in range(len(RESULTS)) else 'unknown'
             end = 'held' if shaft else f'held, newest window {name}'

@@ -85,6 +85,8 @@ def test_a_fault_that_is_held_over_windows_without_it_says_so(result, level, nam
     held.level, held.window_level, held.window_result = 2, level, result
     found = headline(*['inner'] * 24, *[held] * 10)
     assert found.span.endswith(f'from 1 s to 34 s; at the end: held, newest window {name}')
+    worse = headline(*['outer'] * 40, *[held] * 10)
+    assert worse.span.endswith('from 1 s to 40 s; at the end: inner race fault, held')
 
 
 def test_long_spans_are_told_in_minutes_and_hours():
