@@ -11,7 +11,8 @@ may be seconds or weeks apart.
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -79,6 +80,28 @@ IMPACTS = 'impacts'
 WATCHED = (*MEASURES, IMPACTS)
 """Names of the levels of a series."""
 _FALLEN = f'{FAULT_DB:g} dB or more below the baseline, or the lowest before it: {FALLEN}'
+
+
+@dataclass(frozen=True, eq=False)
+class _Snapshot:
+    """One snapshot; see :meth:`SeriesMonitor.add`."""
+
+    time: float
+    x: NDArray[np.float64]
+    sample_rate: float
+    shaft_hz: float
+    temperature: float
+    unit: str
+
+    @cached_property
+    def steady(self) -> NDArray[np.float64]:
+        """Samples without drift, shape (n,)."""
+        return without_drift(self.x)
+
+    @property
+    def condition(self) -> Condition:
+        """Operating condition of the machine."""
+        return Condition.at(self.temperature, self.shaft_hz)
 
 
 class SeriesMonitor:
@@ -179,74 +202,42 @@ class SeriesMonitor:
             If x is not one-dimensional, or a value is no number. The state is unchanged then.
 
         """
-        signal = one_axis(x)
-        time, shaft_hz = real_number('time', time), real_number('shaft_hz', shaft_hz)
-        sample_rate = real_number('sample_rate', sample_rate)
-        check_range('sample_rate', sample_rate, LOWEST_RATE, HIGHEST_RATE, 'Hz')
-        temperature = real_number('temperature', temperature)
-        reason = self._refuse(time, signal, sample_rate, shaft_hz, unit)
+        snapshot = _Snapshot(
+            real_number('time', time), one_axis(x), real_number('sample_rate', sample_rate),
+            real_number('shaft_hz', shaft_hz), real_number('temperature', temperature), unit,
+        )  # fmt: skip
+        check_range('sample_rate', snapshot.sample_rate, LOWEST_RATE, HIGHEST_RATE, 'Hz')
+        reason = self._refuse(snapshot)
         if reason:
             self._kept.leave_out(reason)
             return None
-        self._ask_alone(answer, signal, sample_rate, shaft_hz, temperature, unit)
-        now, memory = Condition.at(temperature, shaft_hz), self._kept.memory
-        if not all(law.comparable(now, memory.at) for law in self._laws()):
-            hertz = 2.0**memory.at.octaves
-            self._not_compared(time, f'another speed than the {hertz:.4g} Hz of the baseline')
+        self._ask_alone(snapshot, answer)
+        severity, levels = self._measure(snapshot)
+        reason = self._incomparable(levels[0], snapshot.condition)
+        if reason:
+            self._not_compared(snapshot.time, reason)
             return None
-        height = impact_height(signal, sample_rate, shaft_hz)
-        signal = without_drift(signal)
-        severity = measure_severity(
-            Levels.of(signal, fft.rfft(signal) / len(signal), sample_rate), unit=unit,
-            power_group=self._settings.power_group, mounting=self._settings.mounting,
-            shaft_hz=shaft_hz,
-        )  # fmt: skip
-        severity = valid_for_length(severity, len(signal), sample_rate)
-        height = max(height, _FAINT * severity.rms)
-        levels = [*monitored_levels(severity), round(20.0 * math.log10(height), 6)]
-        changes, deviations = self._changes_at(now)
-        if memory.has_fallen(float(levels[0] - changes[0]), now, FAULT_DB):
-            self._not_compared(time, _FALLEN)
-            return None
-        self._kept.unjudged, self._kept.source = 0, Source(unit=unit, sample_rate=sample_rate)
-        most = SUSPECT_DB if self._teaches else -math.inf
-        if memory.learn(time, levels, now, self._settings.baseline_windows, most):
-            # A machine that has run in, or was repaired, is compared with its present state.
-            self._kept.rise = Rise()
-            self._quiet.clear()
-            changes, deviations = self._changes_at(now)
-        # NaN in short snapshots.
+        self._kept.unjudged = 0
+        self._kept.source = Source(unit=unit, sample_rate=snapshot.sample_rate)
+        changes, deviations = self._corrections(snapshot, levels)
+        # The velocity is NaN in short snapshots.
         known = severity.velocity_rms > 0.0
         velocity = 20.0 * math.log10(severity.velocity_rms) if known else -math.inf
         self._levels.append(np.append(levels - changes, velocity))
+        self._follow_rise()
         recent = self._recent_levels()
-        over, measure = self._over(recent, now)
-        if memory.base is not None:
-            alone = float(levels[0] - changes[0]) - memory.base.levels[0]
-            # A shock counts no more than the smallest rise that is an alarm.
-            self._kept.rise.add(min(alone, self._limit(0)), memory.base.scatter[0])
+        over, measure = self._over(recent, snapshot.condition)
         sure = over - Z90 * float(deviations[measure])
         by_level = self._wanted(sure, measure, recent, self._zone_level(recent, severity))
-        # Healthy snapshots alone do not make the level known: this takes a baseline.
-        said = self._kept.answers.level
-        said = said if memory.base or said != 'ok' else 'none'
-        newest = AveragedEnvelope()
-        # Without a bearing nobody asks for a place.
-        if self._bearing is not None and math.isfinite(shaft_hz):
-            newest.add(signal, sample_rate, shaft_hz)
-        if self._stands_out(newest, shaft_hz):
-            said = max(said, 'suspect', key=LEVELS.index)
-        self._hold(time, max(by_level, said, key=LEVELS.index))
+        envelope = self._envelope(snapshot)
+        self._hold(snapshot.time, _highest(by_level, self._by_answers()))
         if by_level in ('suspect', 'fault') and math.isnan(self._kept.risen):
-            self._kept.risen = time
-        if self._teaches:
-            memory.record.add(levels, now)
-        if memory.base is not None or not self._teaches:
-            (self._quiet if self._teaches else self._loud).join(newest)
+            self._kept.risen = snapshot.time
+        self._remember(snapshot, levels, envelope)
         point = SeriesPoint(
-            time=time, level=self._kept.held, over_baseline=over, rms=severity.rms,
-            measure=WATCHED[measure] if memory.base else '', temperature=temperature,
-            iso_zone=severity.iso_zone,
+            time=snapshot.time, level=self._kept.held, over_baseline=over, rms=severity.rms,
+            measure=WATCHED[measure] if self._kept.memory.base else '',
+            temperature=snapshot.temperature, iso_zone=severity.iso_zone,
             correction=float(changes[0]), correction_sd=float(deviations[0]),
             rising=self._kept.rise.lasting if self._kept.rise.found else 0,
         )  # fmt: skip
@@ -256,14 +247,78 @@ class SeriesMonitor:
             del self._kept.points[: MOST // 2 : 2], self._levels[: MOST // 2 : 2]
         return point
 
-    def _stands_out(self, newest: AveragedEnvelope, shaft_hz: float) -> bool:
-        """Take an envelope; return whether the newest snapshots together show a strong fault."""
-        if self._bearing is not None:
-            self._recent.join(newest)
-            if self._recent.count == LEAST_AVERAGED:
-                self._kept.strong = self._recent.strong(self._bearing, shaft_hz)
-                self._recent.clear()
-        return self._kept.strong is not None
+    def _measure(self, snapshot: _Snapshot) -> tuple[Severity, list[float]]:
+        """Return the severity of a snapshot, and the level of each watched measure, dB."""
+        x, sample_rate, shaft_hz = snapshot.steady, snapshot.sample_rate, snapshot.shaft_hz
+        severity = measure_severity(
+            Levels.of(x, fft.rfft(x) / len(x), sample_rate), unit=snapshot.unit,
+            power_group=self._settings.power_group, mounting=self._settings.mounting,
+            shaft_hz=shaft_hz,
+        )  # fmt: skip
+        severity = valid_for_length(severity, len(x), sample_rate)
+        height = max(impact_height(snapshot.x, sample_rate, shaft_hz), _FAINT * severity.rms)
+        return severity, [*monitored_levels(severity), round(20.0 * math.log10(height), 6)]
+
+    def _incomparable(self, level: float, now: Condition) -> str:
+        """Return why a level, dB, is not compared with the baseline; '' if it is."""
+        memory = self._kept.memory
+        if not all(law.comparable(now, memory.at) for law in self._laws()):
+            return f'another speed than the {2.0**memory.at.octaves:.4g} Hz of the baseline'
+        fallen = memory.has_fallen(level - float(self._changes_at(now)[0][0]), now, FAULT_DB)
+        return _FALLEN if fallen else ''
+
+    def _corrections(self, snapshot: _Snapshot, levels: list[float]) -> NDArray[np.float64]:
+        """Learn the baseline if it is due; return corrections to it, and deviations, dB."""
+        now, most = snapshot.condition, SUSPECT_DB if self._teaches else -math.inf
+        found = self._changes_at(now)
+        if self._kept.memory.learn(
+            snapshot.time, levels, now, self._settings.baseline_windows, most
+        ):
+            # A machine that has run in, or was repaired, is compared with its present state.
+            self._kept.rise = Rise()
+            self._quiet.clear()
+            found = self._changes_at(now)
+        return found
+
+    def _follow_rise(self) -> None:
+        """Add the newest level to the slow rise over the baseline."""
+        base = self._kept.memory.base
+        if base is not None:
+            # A shock counts no more than the smallest rise that is an alarm.
+            over = min(float(self._levels[-1][0]) - base.levels[0], self._limit(0))
+            self._kept.rise.add(over, base.scatter[0])
+
+    def _envelope(self, snapshot: _Snapshot) -> AveragedEnvelope:
+        """Return the envelope of a snapshot; look for a strong fault in those of the newest."""
+        envelope = AveragedEnvelope()
+        # Without a bearing nobody asks for a place.
+        if self._bearing is None:
+            return envelope
+        if math.isfinite(snapshot.shaft_hz):
+            envelope.add(snapshot.steady, snapshot.sample_rate, snapshot.shaft_hz)
+        self._recent.join(envelope)
+        if self._recent.count == LEAST_AVERAGED:
+            self._kept.strong = self._recent.strong(self._bearing, snapshot.shaft_hz)
+            self._recent.clear()
+        return envelope
+
+    def _by_answers(self) -> str:
+        """Return the level that single snapshots and a strong fault in their average require."""
+        said = self._kept.answers.level
+        # Healthy snapshots alone do not make the level known: this takes a baseline.
+        if said == 'ok' and self._kept.memory.base is None:
+            said = 'none'
+        return said if self._kept.strong is None else _highest(said, 'suspect')
+
+    def _remember(
+        self, snapshot: _Snapshot, levels: list[float], envelope: AveragedEnvelope
+    ) -> None:
+        """Keep levels of a healthy machine, and the envelope with others of its state."""
+        teaches = self._teaches
+        if teaches:
+            self._kept.memory.record.add(levels, snapshot.condition)
+        if self._kept.memory.base is not None or not teaches:
+            (self._quiet if teaches else self._loud).join(envelope)
 
     @property
     def _teaches(self) -> bool:
@@ -276,20 +331,12 @@ class SeriesMonitor:
         doubted = self._kept.held == 'suspect' and math.isnan(self._kept.risen)
         return self._kept.held in ('ok', 'none') or doubted
 
-    def _ask_alone(
-        self,
-        answer: Diagnosis | None,
-        x: NDArray[np.float64],
-        sample_rate: float,
-        shaft_hz: float,
-        temperature: float,
-        unit: str,
-    ) -> None:
+    def _ask_alone(self, snapshot: _Snapshot, answer: Diagnosis | None) -> None:
         """Take the answer of a snapshot alone."""
         if answer is None and self._bearing is not None:
             excerpt = Excerpt.of(
-                x, shaft_hz, sample_rate, self._bearing, self._settings,
-                temperature=temperature, unit=unit,
+                snapshot.x, snapshot.shaft_hz, snapshot.sample_rate, self._bearing, self._settings,
+                temperature=snapshot.temperature, unit=snapshot.unit,
             )  # fmt: skip
             answer = answer_alone(excerpt.analyse())
         if answer is not None:
@@ -301,19 +348,18 @@ class SeriesMonitor:
         if LEVELS.index(self._kept.answers.level) > LEVELS.index(self._kept.held):
             self._hold(time, self._kept.answers.level)
 
-    def _refuse(
-        self, time: float, x: NDArray[np.float64], sample_rate: float, shaft_hz: float, unit: str
-    ) -> str:
+    def _refuse(self, snapshot: _Snapshot) -> str:
         """Return why a snapshot cannot be judged; '' if it can."""
-        if not math.isfinite(time):
+        x, points, before = snapshot.x, self._kept.points, self._kept.source
+        if not math.isfinite(snapshot.time):
             return 'no time; give it in s'
-        if self._kept.points and not time > self._kept.points[-1].time:
+        if points and not snapshot.time > points[-1].time:
             return 'not later than the one before; sort the files, mend times, leave copies out'
-        before = self._kept.source
-        if self._kept.points and not before.same(Source(unit=unit, sample_rate=sample_rate)):
+        source = Source(unit=snapshot.unit, sample_rate=snapshot.sample_rate)
+        if points and not before.same(source):
             return (
-                f'{sample_rate:g} Hz and unit {unit!r} are not the {before.sample_rate:g} Hz and '
-                f'{before.unit!r} of this series; another sensor?'
+                f'{source.sample_rate:g} Hz and unit {source.unit!r} are not the '
+                f'{before.sample_rate:g} Hz and {before.unit!r} of this series; another sensor?'
             )
         if len(x) < SHORTEST:
             return f'fewer than {SHORTEST} samples'
@@ -323,9 +369,9 @@ class SeriesMonitor:
             return 'samples that no sensor tells'
         if np.ptp(x) <= FAINTEST:
             return 'a constant signal'
-        if shaft_hz <= 0.0:
+        if snapshot.shaft_hz <= 0.0:
             return 'the machine stands still'
-        if shaft_hz > HIGHEST_RATE:
+        if snapshot.shaft_hz > HIGHEST_RATE:
             return f'a shaft speed above {HIGHEST_RATE:g} Hz; is it in Hz?'
         return ''
 
@@ -359,7 +405,7 @@ class SeriesMonitor:
         if len(self._levels) < CONFIRMING:
             return self._kept.held
         if self._kept.memory.base is None:
-            return max('fault' if over >= FAULT_DB else 'none', zone_level, key=LEVELS.index)
+            return _highest('fault' if over >= FAULT_DB else 'none', zone_level)
         suspect = self._limit(measure)
         thresholds = {'suspect': suspect, 'fault': max(FAULT_DB, 2.0 * suspect)}
         wanted = 'ok'
@@ -372,7 +418,7 @@ class SeriesMonitor:
         if wanted == 'fault' and self._kept.memory.was_settled_at(recent[:-1]) is not None:
             wanted = 'suspect'
         by_rise = 'suspect' if self._kept.rise.found else 'ok'
-        return max(wanted, zone_level, by_rise, key=LEVELS.index)
+        return _highest(wanted, zone_level, by_rise)
 
     def _zone(self, recent: NDArray[np.float64]) -> tuple[float, str]:
         """Return the velocity, mm/s, that the newest snapshots reach, and its zone."""
@@ -610,3 +656,7 @@ def _measured(measure: str, sample_rate: float) -> str:
 def _long(seconds: float) -> str:
     unit, length = time_unit(seconds)
     return f'{seconds / length:.{0 if unit == "s" else 1}f} {unit}'
+
+
+def _highest(*levels: str) -> str:
+    return max(levels, key=LEVELS.index)
