@@ -11,15 +11,9 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.qos import sensor_qos
-from bearing_twin.recording.signals.csvfile import (
-    fields_of,
-    HEAD,
-    SECONDS,
-    table_text,
-    unit_in,
-    unit_of,
-)
+from bearing_twin.recording.signals.csvfile import fields_of, HEAD, table_text, unit_in
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
+from bearing_twin.recording.signals.timecolumn import SECONDS, unit_of
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import LATEST, NANO, split_ns

@@ -21,11 +21,12 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import real_numbers
 from bearing_twin.recording.finding import ending, SIGNAL_FILES
 from bearing_twin.recording.mcap.mcapfile import refuse_special
-from bearing_twin.recording.signals.csvfile import is_even, read_csv, unit_in
+from bearing_twin.recording.signals.csvfile import read_csv, unit_in
 from bearing_twin.recording.signals.dataset import dataset_signals, is_dataset, read_dataset_signal
 from bearing_twin.recording.signals.matfile import read_mat
 from bearing_twin.recording.signals.mcapsignal import read_vibration_topic, vibration_topics
 from bearing_twin.recording.signals.npz import read_npz
+from bearing_twin.recording.signals.timecolumn import is_even
 import numpy as np
 
 if TYPE_CHECKING:
