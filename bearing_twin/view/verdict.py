@@ -351,21 +351,15 @@ class Headline:
 
     @property
     def ending(self) -> str:
-        """
-        State at the end in words, if it is not the worst verdict or only held; else ''.
-
-        A level is held for up to an hour after the last window that asked for it.
-        """
+        """State at the end in words, if it is not the worst verdict or is only held; else ''."""
         if not self.count:
             return ''
         end, shaft = '', ', shaft standing' if shaft_speed(self.last) == 'standing' else ''
-        held = RANKS.get(recorded(self.last, 'window_level'), 3) < _held(self.last)
+        held = only_held(self.last)
         if self.worst.best.result_name != self.last.result_name:
             end = f'{title_of(self.last).lower()}{", held" if held else ""}'
         elif held:
-            alone = recorded(self.last, 'window_result')
-            name = RESULTS[int(alone)] if alone in range(len(RESULTS)) else 'unknown'
-            end = 'held' if shaft else f'held, newest window {name}'
+            end = 'held' if shaft else held
         return f'{end}{shaft}' if end else ''
 
     @property
@@ -397,6 +391,19 @@ def urgency(diagnosis: Any) -> tuple[int, int]:
 def _held(diagnosis: Any) -> int:
     """Return the rank of the level; 0 before the first full window and without a statement."""
     return RANKS.get(recorded(diagnosis, 'level'), 0)
+
+
+def only_held(diagnosis: Any) -> str:
+    """
+    Return the answer of a window of a lower level than the one that is shown; '' if it has none.
+
+    A level is held for up to an hour after the last window that asked for it.
+    """
+    if RANKS.get(recorded(diagnosis, 'window_level'), 3) >= _held(diagnosis):
+        return ''
+    alone = recorded(diagnosis, 'window_result')
+    known = alone in range(len(RESULTS))
+    return f'held, newest window {RESULTS[int(alone)] if known else "unknown"}'
 
 
 def same_window(one: Any, other: Any) -> bool:

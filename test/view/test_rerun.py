@@ -175,6 +175,19 @@ def vibration(k, time, amplitude=1.0, unit='m/s^2'):
     )  # fmt: skip
 
 
+def test_a_card_says_that_its_verdict_is_only_held(recording, tmp_path):
+    """A fault is held for up to an hour, over windows and spectra that do not show it."""
+    rrd, [*_, last] = tmp_path / 'held.rrd', read_messages(recording, topics=['/diagnosis'])
+    verdict = last.decode()
+    with RerunLogger(recording_id='held', rrd=rrd) as logger:
+        for window, level in ((verdict.result, verdict.level), (0, 0), (6, verdict.level)):
+            verdict.window_result, verdict.window_level = window, level
+            verdict.header.stamp.sec += 1
+            logger.log(last.topic, last.type_name, verdict, last.log_time)
+    _, cards = columns(rrd, '/diagnosis/card', 'blob')
+    assert cards[0] == cards[2] != cards[1]
+
+
 @pytest.mark.parametrize(
     'sensors', [('vibration', 'nde'), ('nde', 'vibration'), ('nde', 'twin', 'vibration')]
 )

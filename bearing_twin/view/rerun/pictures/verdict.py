@@ -14,7 +14,14 @@ from bearing_twin.view.rerun.pictures.lanes import Lane
 from bearing_twin.view.rerun.pictures.picture import Asset, Picture
 from bearing_twin.view.style import ink, VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
-from bearing_twin.view.verdict import facts, Headline, judged_by_velocity, reasons, title_of
+from bearing_twin.view.verdict import (
+    facts,
+    Headline,
+    judged_by_velocity,
+    only_held,
+    reasons,
+    title_of,
+)
 from PIL import Image, ImageDraw, ImageFont
 import rerun as rr
 
@@ -59,11 +66,8 @@ class VerdictPicture(Picture):
             self.asset.panels.add('severity')
         self._lane.set(result, time)
         # Logged every time, not only on changes: a server forgets the oldest first.
-        self.canvas.put(
-            'card',
-            time,
-            rr.EncodedImage(contents=_card(result, title_of(message)), media_type='image/png'),
-        )
+        card = _card(result, title_of(message), only_held(message))
+        self.canvas.put('card', time, rr.EncodedImage(contents=card, media_type='image/png'))
         words = rr.TextDocument(self._words(message), media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
         self.trends.hold(message, time)
