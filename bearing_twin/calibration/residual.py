@@ -44,6 +44,8 @@ deviations of `diagnosis.machine.dependence.PER_KELVIN`."""
 LEAST_RUN, MOST_RUN = 3, 10
 """Fewest and most decisions in a row that an alarm needs: two may be disturbed. A large change
 needs fewer."""
+_RUNS = np.arange(LEAST_RUN, MOST_RUN + 1)[:, np.newaxis]
+"""Lengths of a run, shape (lengths, 1)."""
 TAIL = 4.0
 """The probability of a decision beyond m times the highest healthy difference falls with m to this
 power. It falls faster for normal differences and for Student's t with six degrees of freedom."""
@@ -64,6 +66,14 @@ with a ramp of 2 % the spacing of the impacts is within 0.1 % and keeps nine ten
 prominence; with 10 % it is up to 1.5 % too short."""
 SPEEDS = 32
 """Most speeds that are stored: in steps of 4 % they cover a ratio of three and a half."""
+LEVEL_REASONS = (
+    '{} is {:.0f} dB over what the twin explains',
+    '{} is {:.0f} dB under what the twin explains',
+)
+STEP_REASONS = (
+    '{} has risen by {:.0f} dB within the hour',
+    '{} has fallen by {:.0f} dB within the hour',
+)
 _NOT_SAVED = 'saved residual is invalid; use what save() returned'
 
 
@@ -234,25 +244,22 @@ class Residual:
         self._learn_limits()
         deep = max(limits.deep for limits in self._limits)
         recent = np.array(self.recent[-deep - STEP_MEAN - STEP_GAP :], np.float64)
-        said = ('is {:.0f} dB {} what the twin explains', ('over', 'under')), (
-            'has {1} by {0:.0f} dB within the hour', ('risen', 'fallen'),
-        )  # fmt: skip
-        number, where, over, reason = -math.inf, '', math.nan, ''
-        tables = recent[-deep:], _steps(recent)
-        for table, limits, (text, sides) in zip(tables, self._limits, said, strict=False):
-            if not len(table):
-                continue
-            shares = limits.shares(table)
-            side, band = np.unravel_index(int(np.argmax(shares)), shares.shape)
-            if shares[side, band] > number:
-                number, where = float(shares[side, band]), names[band]
-                over = float(np.median(table[-LEAST_RUN:, band]) - limits.centre[band])
-                reason = f'{where} {text.format(abs(over), sides[side])}'
-        if number == -math.inf:
+        tables = (recent[-deep:], LEVEL_REASONS), (_steps(recent), STEP_REASONS)
+        found = max(
+            (
+                limits.decision(table, names, reasons)
+                for limits, (table, reasons) in zip(self._limits, tables, strict=False)
+                if len(table)
+            ),
+            key=lambda decision: decision.number,
+        )
+        if found.number == -math.inf:
             return _nothing('the healthy levels vary too slowly to judge any band')
-        if number < 1.0:
-            reason = 'the twin explains its machine'
-        return ResidualDecision(max(number, 0.0), where, over, reason)
+        if found.alarm:
+            return found
+        return replace(
+            found, number=max(found.number, 0.0), reason='the twin explains its machine'
+        )
 
     def numbers(self, differences: npt.ArrayLike) -> FloatArray:
         """
@@ -416,44 +423,59 @@ class _Limits:
     """Multiple of the reach that a run of each length has to exceed, shape (lengths, m)."""
 
     @property
+    def windows(self) -> npt.NDArray[np.int64]:
+        """Decisions that a run of each length spans, shape (lengths, m)."""
+        return 1 + (_RUNS - 1) * self.apart
+
+    @property
     def deep(self) -> int:
         """Decisions that the longest run spans."""
-        return min((MOST_RUN - 1) * int(self.apart.max()) + 1, HISTORY)
+        return min(int(self.windows.max()), HISTORY)
 
-    def shares(self, recent: FloatArray) -> FloatArray:
-        """Return the largest share of a limit over and under, shape (2, m); -inf: not judged."""
-        over = recent - self.centre
-        apart = np.nan_to_num(np.stack([over, -over], axis=1) / self.reach, nan=-math.inf)
-        greatest = np.full(self.reach.shape, -math.inf)
-        if len(apart) >= LEAST_RUN:
-            # Most bands are over and under in turn and have no run.
-            greatest = np.minimum(apart[-LEAST_RUN:].min(axis=0), 0.0)
-        side, band = np.nonzero(greatest == 0.0)
-        held = np.minimum.accumulate(apart[::-1, side, band], axis=0)
-        back = np.arange(LEAST_RUN - 1, MOST_RUN)[:, None] * self.apart[band]
-        told = np.take_along_axis(held, np.minimum(back, len(held) - 1), axis=0)
-        shares = np.where(back < len(held), told / self.raised[:, band], 0.0)
-        greatest[side, band] = shares.max(axis=0, initial=0.0)
-        return greatest
+    def decision(
+        self, table: FloatArray, names: tuple[str, ...], reasons: tuple[str, str]
+    ) -> ResidualDecision:
+        """Judge the last of the decisions; the number is -inf if no band can be judged."""
+        shares = self._shares(table)
+        side, band = np.unravel_index(int(np.argmax(shares)), shares.shape)
+        over = float(np.median(table[-LEAST_RUN:, band]) - self.centre[band])
+        reason = reasons[side].format(names[band], abs(over))
+        return ResidualDecision(float(shares[side, band]), names[band], over, reason)
+
+    def _shares(self, table: FloatArray) -> FloatArray:
+        """Return the share of a limit over and under, shape (2, m); -inf: not judged."""
+        if len(table) < LEAST_RUN:
+            return np.full(self.reach.shape, -math.inf)
+        held = np.minimum.accumulate(self._beyond(table)[::-1], axis=0)
+        windows = self.windows[:, np.newaxis]
+        of_runs = np.take_along_axis(held, np.minimum(windows, len(held)) - 1, axis=0)
+        shares = np.where(windows <= len(held), of_runs / self.raised[:, np.newaxis], 0.0)
+        # Without a run, tell how far the band is on the other side.
+        newest = held[LEAST_RUN - 1]
+        found: FloatArray = np.where(newest < 0.0, newest, shares.max(axis=0, initial=0.0))
+        return found
 
     def numbers(self, table: FloatArray) -> FloatArray:
         """Return the largest share of a limit at each decision, shape (n,); NaN: not judged."""
-        told = np.isfinite(self.centre)
-        found = np.full(len(table), 0.0 if told.any() else math.nan)
-        over = table - self.centre
-        for apart in np.unique(self.apart[told]):
-            alike = told & (self.apart == apart)
-            shares = np.hstack([over, -over])[:, np.tile(alike, 2)] / self.reach[:, alike].ravel()
-            for runs, raised in enumerate(self.raised[:, alike], LEAST_RUN):
-                size = (runs - 1) * int(apart) + 1
+        judged = np.flatnonzero(np.isfinite(self.centre))
+        found = np.full(len(table), 0.0 if len(judged) else math.nan)
+        beyond = self._beyond(table)
+        for band in judged:
+            sides = np.ascontiguousarray(beyond[:, :, band].T)
+            for size, raised in zip(self.windows[:, band], self.raised[:, band], strict=True):
                 if size > min(HISTORY, len(table)):
                     break
                 held = scipy.ndimage.minimum_filter1d(
-                    shares, size, axis=0, mode='constant', origin=(size - 1) // 2
+                    sides, size, mode='constant', origin=(size - 1) // 2
                 )
-                np.fmax(found, (held / np.tile(raised, 2)).max(axis=1), out=found)
+                np.maximum(found, held.max(axis=0) / raised, out=found)
         found[: LEAST_RUN - 1] = math.nan
         return found
+
+    def _beyond(self, table: FloatArray) -> FloatArray:
+        """Return differences over and under the centre, in reaches, shape (n, 2, m)."""
+        over = table - self.centre
+        return np.nan_to_num(np.stack([over, -over], axis=1) / self.reach, nan=-math.inf)
 
 
 def _limits(rows: FloatArray, allowed: float) -> _Limits:
@@ -470,13 +492,12 @@ def _limits(rows: FloatArray, allowed: float) -> _Limits:
     reach = np.stack([rows.max(axis=0) - centre, centre - rows.min(axis=0)])
     wider = np.maximum(ENOUGH_DECISIONS * np.sqrt(apart) / count, 1.0)
     reach = np.maximum(reach, LEAST_DB) * wider + allowed
-    runs = np.arange(LEAST_RUN, MOST_RUN + 1)[:, None]
     # Two sides times differences and steps, and every length of a run.
-    cases = 4 * bands * len(runs) * DECISIONS_A_YEAR
+    cases = 4 * bands * len(_RUNS) * DECISIONS_A_YEAR
     independent = np.maximum(count / apart, 1.0)
     ln = scipy.special.gammaln
-    ranks = ln(independent + runs + 1.0) - ln(independent + 1.0) - ln(runs + 1.0)
-    raised = np.maximum(np.exp((math.log(cases) - ranks) / (TAIL * runs)), 1.0)
+    ranks = ln(independent + _RUNS + 1.0) - ln(independent + 1.0) - ln(_RUNS + 1.0)
+    raised = np.maximum(np.exp((math.log(cases) - ranks) / (TAIL * _RUNS)), 1.0)
     return _Limits(centre, reach, apart.astype(np.int64), raised)
 
 
