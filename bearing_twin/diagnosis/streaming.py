@@ -356,6 +356,7 @@ class StreamingDiagnoser:
                 max(span, settings.update_interval),
                 settings.longest_hold,
                 excerpt.simulated,
+                settings.window,
             ),
             full=full,
         )

@@ -27,6 +27,13 @@ class Pace(NamedTuple):
     """Time without a level after which it falls in any case, s."""
     simulated: bool = False
     """Whether it is a twin, which does not change unless somebody changes it."""
+    window: float = 8.0
+    """Length of a window, s."""
+
+    @property
+    def silent(self) -> int:
+        """Verdicts in a row that tell nothing before *ok* ends: a window of its own, at least."""
+        return max(self.updates, math.ceil(self.window / self.interval))
 
 
 def _log_beta(a: float, b: float) -> float:

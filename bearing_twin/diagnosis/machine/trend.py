@@ -311,7 +311,7 @@ class Trend:
 
     def _held(self, own: Diagnosis, pace: Pace, full: bool) -> Diagnosis:
         """Return the diagnosis of a window with the held level and answer."""
-        held, hold = self.held, pace.updates
+        held = self.held
         if not held.level and not full:
             # The first full window sets the level; before it the level is unknown.
             return replace(own, level='none', window=(own.result, own.level))
@@ -321,11 +321,11 @@ class Trend:
         known = own.level != 'none' or held.level == 'suspect'
         before, level = held.level, held.take(own.level, pace) if known else held.level
         if not known and level == 'ok':
-            if self._another(newest, hold):
+            if self._another(newest, pace.silent):
                 return own
         elif own.level != level:
             self.other, self.other_count = HeldAnswer(), 0
-        elif level != before or newest.same(self.answer) or self._another(newest, hold):
+        elif level != before or newest.same(self.answer) or self._another(newest, pace.updates):
             self.answer = newest
             self.other, self.other_count = HeldAnswer(), 0
         answer = self.answer
@@ -351,17 +351,16 @@ class Trend:
             return f'this window tells nothing; {_AFTER_REPAIR}'
         if level == held.level:
             return f'{self.other_count} of {pace.updates} verdicts say {newest}'
-        count = self.other_count
         if LEVELS.index(level) > LEVELS.index(held.level):
-            count = held.in_a_row(level)
-        elif held.level != 'ok':
-            wait, back = held.wait(pace), ', as it has come back' if held.returned else ''
-            reset = f'; {_AFTER_REPAIR}' if wait >= _LONG else ''
-            return (
-                f'{held.quiet:.9g} of {wait:.9g} s without it{back}; '
-                f'the newest verdict says {newest}, {level}{reset}'
-            )
-        return f'{count} of {pace.updates} verdicts say {newest}, {level}'
+            return f'{held.in_a_row(level)} of {pace.updates} verdicts say {newest}, {level}'
+        if held.level == 'ok':
+            return f'{self.other_count} of {pace.silent} verdicts say {newest}, {level}'
+        wait, back = held.wait(pace), ', as it has come back' if held.returned else ''
+        reset = f'; {_AFTER_REPAIR}' if wait >= _LONG else ''
+        return (
+            f'{held.quiet:.9g} of {wait:.9g} s without it{back}; '
+            f'the newest verdict says {newest}, {level}{reset}'
+        )
 
     def _another(self, answer: HeldAnswer, hold: int) -> bool:
         """Count another answer at the held level; return whether it becomes the held one."""

@@ -234,12 +234,13 @@ def test_a_suspicion_ends_after_windows_that_show_nothing():
 
 def test_a_healthy_answer_stands_over_single_windows_that_tell_nothing():
     healthy, nothing = said('healthy', 'ok'), said('insufficient', 'none')
-    shown = _answers([healthy, nothing, nothing, healthy, *[nothing] * 4, healthy])
+    # Seven verdicts share samples with the last window that told something.
+    shown = _answers([healthy, *[nothing] * 7, healthy, *[nothing] * 9, healthy])
     answers = [(d.result, d.level) for d in shown]
     ok, unknown = ('healthy', 'ok'), ('insufficient', 'none')
-    assert answers == [ok] * 6 + [unknown] * 2 + [ok]
+    assert answers == [ok] * 16 + [unknown] * 2 + [ok]
     assert shown[2].window == unknown
-    assert shown[2].reasons[-1] == 'healthy, ok held: 2 of 3 verdicts say insufficient, none'
+    assert shown[2].reasons[-1] == 'healthy, ok held: 2 of 8 verdicts say insufficient, none'
     # Windows that tell nothing are no reason to wait longer for a fault.
     fault = said('inner', 'fault', 'inner')
     levels = [d.level for d in _answers([healthy, fault, nothing, fault, nothing, fault])]
