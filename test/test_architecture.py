@@ -75,7 +75,6 @@ RECORDING = (
     'finding',
     'mcap',
     'bagmetadata',
-    'sink',
     'outfile',
     'writer',
     'snapshot',

@@ -14,7 +14,7 @@ import time
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.recording.bagmetadata import BagFile, BagTopic
+from bearing_twin.recording.bagmetadata import BagFile, BagTopic, metadata_record
 from bearing_twin.recording.mcap.mcapfile import MESSAGE_HEAD
 from mcap.opcode import Opcode
 from mcap.records import Channel, Message, Schema
@@ -249,7 +249,9 @@ class OutputFile:
             disk.request(self._fd, self.path.parent)
 
     def end(self) -> None:
-        """Write the summary and the end of the file; only :meth:`close` may follow."""
+        """Write metadata for rosbag2, the summary and the end; only :meth:`close` may follow."""
+        name, values = metadata_record([self.summary()])
+        self.attach(Attachment(name, values=values))
         self._writer.count(self._counts, self.start, self._end)
         self._writer.finish()  # type: ignore[no-untyped-call]
 

@@ -1,6 +1,19 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write ROS 2 recordings in MCAP: a new single file or a new bag folder."""
+"""
+Write ROS 2 recordings in MCAP: a new single file or a new bag folder.
+
+The path of a message:
+
+=========================  ======================================================================
+`RecordingWriter.write`    checks it
+`RecordingWriter.take`     writes it to the current file; it waits while the disk has a problem
+`OutputFile.write`         describes its channel and adds it to the open chunk
+`RecordingWriter.flush`    closes the chunk and gives all bytes to the operating system
+`RecordingWriter.split`    ends the file and opens the next one
+`FinishedFiles`            lists the ended files in ``metadata.yaml``
+=========================  ======================================================================
+"""
 
 from __future__ import annotations
 
@@ -13,7 +26,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.disksync import DiskSync
 from bearing_twin.errors import BearingTwinError, UsageError
 from bearing_twin.quantity import check_fields, quantity
-from bearing_twin.recording.bagmetadata import BagFile, metadata_record, write_metadata_file
+from bearing_twin.recording.bagmetadata import FinishedFiles
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.outfile import Attachment, MessageToStore, OutputFile
 from bearing_twin.stamps import NANO
@@ -29,8 +42,6 @@ if TYPE_CHECKING:
 
 LATEST = 2**63
 """Earliest time that MCAP cannot hold, ns."""
-MOST_FILES = 10_000
-"""Most files of a bag in metadata.yaml: each file takes 0.12 ms at each split."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,16 +119,11 @@ class RecordingWriter:
         self._waiting: deque[MessageToStore] = deque()
         self._waiting_bytes = 0
         self._attached: list[Attachment] = []
-        self._finished: list[BagFile] = []
-        # Messages and bytes of earlier files, which metadata.yaml no longer lists.
-        self._earlier_count = self._earlier_size = 0
         # Files whose end is not written yet.
         self._ending: list[OutputFile] = []
-        # Problem with metadata.yaml, the files that it should list, and those that it lists.
-        self._unlisted = ''
-        self._to_list = self._listed = list[BagFile]()
-        self._index = 0
         self._disk = DiskSync()
+        self._finished = FinishedFiles(self.path, self._disk)
+        self._index = 0
         self._begun = self._closed = False
         if begin:
             self._begin()
@@ -161,9 +167,8 @@ class RecordingWriter:
     @property
     def size(self) -> int:
         """Bytes of the recording so far, including those still in memory."""
-        finished = self._earlier_size + sum(file.size for file in self._finished)
         open_files = [self._file] if self._begun and not self._closed else []
-        return finished + sum(file.size for file in (*self._ending, *open_files))
+        return self._finished.size + sum(file.size for file in (*self._ending, *open_files))
 
     def write(
         self,
@@ -258,13 +263,14 @@ class RecordingWriter:
         self._flushed = time.monotonic()
         self.problem = self._settle() or self._file.drain()
         if self._file.vanished or self._file.alone:
-            self._count_removed()
+            # Others may be gone with it, or with its folder.
+            self._file.alone = False
+            self._lose(self._finished.forget_removed())
         if self._file.vanished:
-            # Its messages are lost; the recording continues in a new file.
+            # The recording continues in a new file.
             self._lose(self._file.count)
             self._file.abandon()
-            self._index += 1
-            self._file = self._open()
+            self._open_next()
         elif not self.problem:
             self._sync()
         while self._waiting and not self.problem:
@@ -282,8 +288,7 @@ class RecordingWriter:
         self._check_bag()
         self._finish()
         self.problem = self._settle()
-        self._index += 1
-        self._file = self._open()
+        self._open_next()
 
     def close(self) -> None:
         """
@@ -302,9 +307,7 @@ class RecordingWriter:
         self._finish()
         self.problem = self._settle()
         self._disk.settle()
-        if self._listed is not self._to_list:
-            self._unlisted = 'metadata.yaml waits for the disk'
-        self.problem = self.problem or self._unlisted
+        self.problem = self.problem or self._finished.unlisted
         if self.problem:
             lost = len(self._waiting)
             for file in self._ending:
@@ -324,7 +327,7 @@ class RecordingWriter:
         self._disk.settle()
         for file in (*self._ending, self._file):
             file.abandon()
-        names = [file.name for file in self._finished]
+        names = [file.name for file in self._finished.files]
         names += [file.path.name for file in (*self._ending, self._file)]
         folder = self.path if self.bag else self.path.parent
         with contextlib.suppress(OSError):
@@ -365,6 +368,10 @@ class RecordingWriter:
             file.attach(attached)
         return file
 
+    def _open_next(self) -> None:
+        self._index += 1
+        self._file = self._open()
+
     def _sync(self) -> None:
         """Synchronise the file with the disk when due, unless the last request still runs."""
         period = self.options.sync_period
@@ -372,17 +379,6 @@ class RecordingWriter:
         if due and not self._disk.busy:
             self._synced = time.monotonic()
             self._file.sync(self._disk)
-
-    def _count_removed(self) -> None:
-        """Count the messages of finished files that were removed with their folder."""
-        self._file.alone = False
-        if self._earlier_count and not (self.path / f'{self.path.name}_0.mcap').exists():
-            self._lose(self._earlier_count)
-            self._earlier_count = self._earlier_size = 0
-        for finished in list(self._finished):
-            if not (self.path / finished.name).exists():
-                self._lose(finished.count)
-                self._finished.remove(finished)
 
     def _lose(self, count: int) -> None:
         self.removed += count
@@ -416,19 +412,15 @@ class RecordingWriter:
             if 0 < o.storage_limit < self.size:
                 self.stopped = f'the storage limit of {o.storage_limit} bytes is reached'
             return
-        while self._finished and (self.size > o.storage_limit or len(self._finished) > MOST_FILES):
-            oldest = self._finished[0]
-            try:
-                (self.path / oldest.name).unlink(missing_ok=True)
-            except OSError as error:
-                self.problem = f'{oldest.name} cannot be deleted: {error.strerror}'
-                return
-            del self._finished[0]
+        while (
+            self._finished.files
+            and not self.problem
+            and (self._finished.too_many or self.size > o.storage_limit)
+        ):
+            self.problem = self._finished.delete_oldest()
 
     def _finish(self) -> None:
         """Write the end of the current file to its spool."""
-        name, values = metadata_record([self._file.summary()])
-        self._file.attach(Attachment(name, values=values))
         self._file.end()
         self._ending.append(self._file)
 
@@ -443,22 +435,12 @@ class RecordingWriter:
             if file.vanished:
                 self._lose(file.count)
                 continue
-            self._finished.append(file.summary())
-            if len(self._finished) > MOST_FILES and not self.options.delete_oldest:
-                earlier = self._finished.pop(0)
-                self._earlier_count += earlier.count
-                self._earlier_size += earlier.size
+            self._finished.files.append(file.summary())
+            if self._finished.too_many and not self.options.delete_oldest:
+                self._finished.leave_out_oldest()
             if self.bag:
-                self._to_list = list(self._finished)
-                self._disk.do(self._list_files)
+                self._finished.write_list()
         return ''
-
-    def _list_files(self) -> None:
-        """Write metadata.yaml if it is out of date; with thousands of files it takes a second."""
-        files = self._to_list
-        if files is not self._listed:
-            self._unlisted = write_metadata_file(self.path, files)
-            self._listed = files
 
 
 @contextlib.contextmanager

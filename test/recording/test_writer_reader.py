@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording import reader, writer
+from bearing_twin.recording import bagmetadata, reader
 from bearing_twin.recording.health import examine, SENT_BEFORE, sent_before
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.writer import RecordingWriter, whole_recording, WriterOptions
@@ -286,14 +286,14 @@ def test_storage_limit_deletes_its_own_oldest_files_only(tmp_path: Path) -> None
 def test_the_list_of_files_is_bounded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, delete: bool
 ) -> None:
-    monkeypatch.setattr(writer, 'MOST_FILES', 3)
+    monkeypatch.setattr(bagmetadata, 'MOST_FILES', 3)
     run = tmp_path / 'run'
     options = WriterOptions(split_size=1, storage_limit=10**9, delete_oldest=delete)
     with RecordingWriter(run, options) as to:
         for index in range(10):
             to.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
             to.flush()
-        assert len(to._finished) == 3
+        assert len(to._finished.files) == 3
         on_disk = {path.name: path.stat().st_size for path in run.glob('*.mcap')}
         assert to.size == sum(on_disk.values())
         assert len(on_disk) == (4 if delete else 10)
