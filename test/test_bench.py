@@ -7,13 +7,16 @@ import json
 from pathlib import Path
 import re
 
-from bearing_twin.bench import files, kernel, live
+from bearing_twin.bench import end_to_end, files, kernel, live
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.bench.live import FleetRun, Search
 from bearing_twin.cli import bench
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin_msgs.msg import TwinState, Vibration
 import numpy as np
 import pytest
+from rclpy.serialization import serialize_message
 
 PAGE = Path(__file__).resolve().parents[1] / 'docs' / 'performance.md'
 
@@ -118,3 +121,26 @@ def test_what_was_measured_is_printed_though_another_bench_fails(monkeypatch, ca
     told = capsys.readouterr()
     assert json.loads(told.out)['kernel_rtf'] == 200.0
     assert 'bench live: of 16 bearings' in told.err
+
+
+@pytest.mark.parametrize('lost', [[], [3], [3, 4]])
+def test_lost_blocks_are_counted_and_those_of_a_second_twin_are_refused(tmp_path, lost):
+    bag = tmp_path / 'run.mcap'
+
+    def write(blocks):
+        with RecordingWriter(bag) as writer:
+            for n in blocks:
+                block = Vibration(sample_rate=1000.0, first_sample=100 * n, y=[0.0] * 100)
+                for topic, message in (('/vibration', block), ('/twin_state', TwinState())):
+                    data = serialize_message(message)
+                    kind = f'bearing_twin_msgs/msg/{type(message).__name__}'
+                    writer.write(topic, kind, data, log_time=n, publish_time=n)
+
+    blocks = [n for n in range(10) if n not in lost]
+    write(blocks)
+    found = end_to_end.punctuality(bag, 0, 10, calibrate=False)
+    assert found['lost_blocks'] == len(lost)
+    bag.unlink()
+    write(sorted([*blocks, 5, 6]))
+    with pytest.raises(BearingTwinError, match=r'2 blocks .* another twin'):
+        end_to_end.punctuality(bag, 0, 10, calibrate=False)

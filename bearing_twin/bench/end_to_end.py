@@ -80,7 +80,7 @@ def live_run(
         return {
             'core_share': sum(share.values()),
             **{f'core_share_{node}': value for node, value in share.items()},
-            **_punctuality(folder / 'bag', began, ended, calibrate=calibrate),
+            **punctuality(folder / 'bag', began, ended, calibrate=calibrate),
         }
 
 
@@ -120,7 +120,16 @@ def cpu_seconds(pid: int) -> float:
     return times.user + times.system
 
 
-def _punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[str, float]:
+def punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[str, float]:
+    """
+    Return the figures of the blocks in a recording from ``began`` to ``ended``, ns.
+
+    Raises
+    ------
+    BearingTwinError
+        If there is no block, or a second twin published on the same topics.
+
+    """
     lateness, delivery, indices, drops = [], [], [], []
     period, costs = 0.0, []
     for message in read_messages(bag):
@@ -140,6 +149,11 @@ def _punctuality(bag: Path, began: int, ended: int, *, calibrate: bool) -> dict[
             costs.append(float(message.decode().cost))
     if not lateness or not delivery:
         raise BearingTwinError('the recording of the live run holds no block')
+    if twice := len(indices) - len(set(indices)):
+        raise BearingTwinError(
+            f'{twice} blocks of the live run were recorded twice: another twin published in its '
+            'ROS domain; end what else runs there and measure again'
+        )
     late = np.array(lateness)
     dropped = drops[-1] - drops[0]
     return {

@@ -16,7 +16,7 @@ from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.parameters.diagnosis import SPECS
 from bearing_twin.assets.parameters.spec import read_values
-from bearing_twin.bench.end_to_end import _punctuality
+from bearing_twin.bench.end_to_end import punctuality
 from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import main
 from bearing_twin.dynamics import preset, Simulator
@@ -459,10 +459,10 @@ def test_an_interrupted_run_is_a_sound_recording(
 
 
 def test_no_calibration_at_all_is_a_figure_that_misses_its_target(run: Path) -> None:
-    with_calibration = _punctuality(run, 0, 2**63, calibrate=True)
+    with_calibration = punctuality(run, 0, 2**63, calibrate=True)
     assert with_calibration['blocks'] == 12 * 25
     assert with_calibration['fits'] == 0.0 and FIGURES['fits'].target == '> 0'
-    assert with_calibration.keys() - _punctuality(run, 0, 2**63, calibrate=False) == {'fits'}
+    assert with_calibration.keys() - punctuality(run, 0, 2**63, calibrate=False) == {'fits'}
 
 
 @pytest.mark.ros
