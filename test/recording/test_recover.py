@@ -204,6 +204,17 @@ def test_a_bad_sector_costs_the_chunk_it_is_in(tmp_path: Path, sector: int) -> N
     assert sum(loss.length for loss in losses) < 2 * max(end - begin for begin, end, _ in found)
 
 
+def test_a_bad_sector_costs_no_chunk_beside_it(tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run.mcap', 60)
+    found = chunks(tmp_path / 'run.mcap')
+    file = BadSector((tmp_path / 'run.mcap').read_bytes())
+    size = len(file.getvalue())
+    for sector in range(0, size, 4096):
+        file.sector = sector
+        kept = len(list(in_file_order(file, size, Selection(), lambda _: None)))
+        assert kept == 20 * sum(end <= sector or begin >= sector + 4096 for begin, end, _ in found)
+
+
 def test_entries_of_a_bag_that_are_no_files_cost_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -356,9 +356,11 @@ class _Search:
             return read_at(self.file, at, length)
         except BrokenRecording:
             # Read the sectors beside the bad one; replace the bad one by zeros.
-            if length <= SECTOR:
+            middle = (at + length // 2) // SECTOR * SECTOR
+            middle += 0 if middle > at else SECTOR
+            if middle >= at + length:
                 return bytes(length)
-            return self._read(at, length // 2) + self._read(at + length // 2, -(-length // 2))
+            return self._read(at, middle - at) + self._read(middle, at + length - middle)
 
     def _is_any(self, offset: int) -> bool:
         return self._is_chunk(offset) or self._is_message(offset)
