@@ -158,10 +158,11 @@ class StreamingDiagnoser:
     The result depends on the pushed blocks alone, not on clocks: the same blocks give the same
     diagnoses to the bit. An update is due after each ``settings.update_interval`` of samples. A
     new window begins after a gap in ``first_sample``, after an index that runs backwards (a
-    restarted source), and at another sample rate; the next diagnosis gives the reason. Rates that
-    differ by less than 0.01 % count as the rate of the first block. The ``level`` of the diagnoses
-    is held: it rises after ``settings.hold_updates`` verdicts, and falls when the machine has
-    changed (:class:`bearing_twin.diagnosis.machine.held.HeldLevel`).
+    restarted source), and at another sample rate, sensor or unit; the next diagnosis gives the
+    reason. Rates that differ by less than 0.01 % count as the rate of the first block. The
+    ``level`` of the diagnoses is held: it rises after ``settings.hold_updates`` verdicts, and
+    falls when the machine has changed
+    (:class:`bearing_twin.diagnosis.machine.held.HeldLevel`).
 
     Baseline and trend belong to one source: sensor, bearing, unit and sample rate. Windows of
     another source have a separate baseline and say so. The first baseline is kept until its source
@@ -194,6 +195,7 @@ class StreamingDiagnoser:
         self._trend, self._guest = Trend(), Trend()
         self._note, self._restarts, self._waited = '', 0, 0.0
         self._rate = math.nan
+        self._named: tuple[str, str] | None = None
         self._clear(0)
 
     @property
@@ -294,6 +296,9 @@ class StreamingDiagnoser:
             else:
                 text = f'window restarted: index went back from {self._next} to {first_sample}'
             self._restart(first_sample, f'{text} before sample {first_sample}')
+        elif self._named not in (None, (sensor, unit)):
+            self._restart(first_sample, 'window restarted: sensor or unit changed')
+        self._named = sensor, unit
         due_now, cut = [], self._cut
         self._waited += len(block) / self._rate
         while len(block):

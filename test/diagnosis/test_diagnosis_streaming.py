@@ -267,6 +267,18 @@ def test_a_baseline_takes_no_other_source(change):
     assert said(quiet / 7.0, 10**7, **other).reasons[-1] == stray.reasons[-1]
 
 
+@pytest.mark.parametrize('other', [{'sensor': 'gearbox'}, {'unit': 'g'}])
+def test_samples_of_two_sources_are_in_no_window_together(other):
+    machine = {'sensor': 'pump', 'unit': 'm/s^2'}
+    fault, quiet = fault_signal(6.0), np.random.default_rng(4).standard_normal(int(6 * RATE))
+    diagnoser = StreamingDiagnoser(BEARING, SHORT)
+    found = diagnoser.push(0, fault, RATE, SHAFT_HZ, **machine)
+    assert found[-1].level == 'fault'
+    found = diagnoser.push(len(fault), quiet, RATE, SHAFT_HZ, **{**machine, **other})
+    assert found[0].reasons[0] == 'window restarted: sensor or unit changed'
+    assert {verdict.level for verdict in found} == {'none', 'ok'}
+
+
 @pytest.mark.parametrize('hold', [1, 2, 4])
 def test_the_level_follows_after_as_many_equal_verdicts_as_it_is_held(hold):
     quiet = np.random.default_rng(4).standard_normal(int(4 * RATE))
