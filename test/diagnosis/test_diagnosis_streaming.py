@@ -140,6 +140,7 @@ def test_a_window_that_never_fills_is_said_in_one_sentence():
     first = _push(diagnoser, fault_signal(2.0), first=1024 * number + 1024)[0]
     assert not diagnoser.overdue
     assert first.reasons[0].endswith('(74 restarts since the last verdict)')
+    assert len(first.reasons) < 5
 
 
 @pytest.mark.parametrize(
@@ -154,7 +155,6 @@ def test_settings_changed_in_one_call_or_one_after_another_give_the_same_reason(
     diagnoser.reconfigure(settings=replace(SHORT, hold_updates=5, longest_hold=60.0))
     first = _push(diagnoser, np.ones(int(RATE)), first=100 + samples)[0]
     assert first.reasons[0] == f'window restarted: bearing or settings were changed{more}'
-    assert len(first.reasons) < 5
 
 
 def test_unknown_speed_makes_no_statement():
