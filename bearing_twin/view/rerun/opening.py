@@ -90,8 +90,7 @@ def draw_recordings(
         return _draw_foreign(infos[0], rrd, progress)
     types = {topic.type_name for info in infos for topic in info.topics.values() if topic.count}
     possible = [name for name, needed in PAGES.items() if needed & types]
-    if page not in possible:
-        _check_page(page, possible)
+    _check_page(page, possible)
     names = [''] if len(paths) == 1 else _names(paths)
     begins = [_begin(info) for info in infos]
     counted = len(paths) > 1 or is_undated(infos[0].start)
