@@ -123,18 +123,19 @@ def status(
                 level = max(level, what, key=lambda x: x.value)
                 texts.append(text.format(value))
                 break
-    # Which of the limits are exceeded changes from second to second on a busy machine.
-    kind = 'late' if texts else ''
     if report.recently_dropped:
-        level, kind = Level.ERROR, 'dropped'
+        level = Level.ERROR
         texts.insert(0, f'{report.recently_dropped} of the last blocks dropped')
+    kind = ''
     if not active:
-        level, texts, kind = Level.OK, ['not active'], ''
+        level, texts = Level.OK, ['not active']
     elif clocks > 1:
-        text = f'{clocks} publishers of /clock, whose times differ: end one'
-        level, texts, kind = Level.ERROR, [text], ''
+        level, texts = Level.ERROR, [f'{clocks} publishers of /clock, whose times differ: end one']
     elif still:
-        level, texts, kind = Level.OK, ['/clock stands still, so no blocks are published'], ''
+        level, texts = Level.OK, ['/clock stands still, so no blocks are published']
+    elif texts:
+        # Which of the limits are exceeded changes from second to second on a busy machine.
+        kind = 'dropped' if report.recently_dropped else 'late'
     return Status(
         level,
         '; '.join(texts) or ('in step with /clock' if simulated else 'in time'),
