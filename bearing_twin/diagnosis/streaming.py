@@ -356,12 +356,12 @@ class StreamingDiagnoser:
             source,
             wanted=settings.baseline_windows,
             pace=Pace(
-                settings.hold_updates,
-                settings.update_interval,
-                max(span, settings.update_interval),
-                settings.longest_hold,
-                excerpt.simulated,
-                settings.window,
+                updates=settings.hold_updates,
+                interval=settings.update_interval,
+                span=max(span, settings.update_interval),
+                longest=settings.longest_hold,
+                simulated=excerpt.simulated,
+                window=settings.window,
             ),
             full=full,
         )
