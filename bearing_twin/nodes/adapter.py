@@ -42,6 +42,8 @@ SHOWN = 10.0
 """Time for which NaN samples, and stamps that were too near to each other, are reported, s."""
 ARRAY = 'float32_multi_array'
 IMU = 'imu'
+TOPICS = {ARRAY: 'samples', IMU: 'imu'}
+"""Topic of the input, by kind of source."""
 
 SPECS = (
     fixed('source', ARRAY, 'Message type of the accelerometer; topic samples, or imu.',
@@ -116,8 +118,7 @@ class AdapterNode(ManagedNode):
         self._meter = RateMeter()
         self._heard = self._sent = 0
         self._source: object = None
-        topic = 'imu' if p['source'] == IMU else 'samples'
-        self._topic = self.resolve_topic_name(topic).removeprefix('/')
+        self._topic = self.resolve_topic_name(TOPICS[p['source']]).removeprefix('/')
         self._frame = p['frame_id'] or self._topic
         self._lost = 0
         self._restarts = 0
@@ -134,9 +135,10 @@ class AdapterNode(ManagedNode):
     def start(self) -> None:
         """Subscribe to the accelerometer."""
         if self.parameters['source'] == IMU:
-            kind, topic, take = Imu, 'imu', self._on_imu
+            kind, take = Imu, self._on_imu
         else:
-            kind, topic, take = Float32MultiArray, 'samples', self._on_array
+            kind, take = Float32MultiArray, self._on_array
+        topic = TOPICS[self.parameters['source']]
         self._input = subscribe(self, kind, topic, take, SENSOR, refused=self._refuse)
         self.get_logger().info(f'listening to {self._input.topic_name}')
 
