@@ -405,7 +405,7 @@ class Analysis:
         )
 
     def _remarks(self, verdict: Verdict, severity: Severity, smallest: float) -> Iterator[str]:
-        """Yield what is said after the reasons of the verdict."""
+        """Yield the reasons that follow those of the verdict."""
         excerpt, settings = self.excerpt, self.excerpt.settings
         zoned = settings.power_group and settings.mounting
         if zoned and not severity.iso_zone and self.shaft_hz < SLOW_HZ:
