@@ -110,7 +110,11 @@ setup(
         *command(),
     ],
     install_requires=requirements(),
-    extras_require={'dask': ['dask[distributed]'], 'test': ['pytest', 'hypothesis']},
+    extras_require={
+        'dask': ['dask[distributed]'],
+        'files': ['h5py', 'npTDMS', 'pyuff'],
+        'test': ['pytest', 'hypothesis'],
+    },
     zip_safe=False,
     entry_points={'console_scripts': ['bearing-twin = bearing_twin.start:command', *scripts()]},
 )

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 SQLITE = '.db3'
 """Suffix of the files of a bag in the storage sqlite3, the default of ROS 2 before Iron."""
-SIGNAL_FILES = ('.npz', '.mat', '.wav', '.csv', '.txt', '.tsv')
+SIGNAL_FILES = (
+    '.npz', '.npy', '.mat', '.wav', '.tdms', '.uff', '.unv', '.lvm', '.csv', '.txt', '.tsv',
+)  # fmt: skip
 """Suffixes of vibration files of other formats, each with its reader in `signals.signalfile`."""
 
 

@@ -25,6 +25,7 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import recover
 from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.recording.writer import WriterOptions
+import h5py
 from mcap.writer import CompressionType, Writer
 import numpy as np
 from recording_samples import QOS, START, VIBRATION, vibration_cdr, write_blocks
@@ -103,6 +104,10 @@ def seeds(kind: str, folder: Path) -> list[bytes]:
             flat = {k: v for k, v in values.items() if not isinstance(v, dict)}
             savemat(folder / 'a.mat', flat if options.get('format') else values, **options)
             found.append((folder / 'a.mat').read_bytes())
+        with h5py.File(folder / 'a.mat', 'w', userblock_size=512) as file:
+            file.create_dataset('bearing/gs', data=x[None, :], compression='gzip')
+            file['bearing/sr'] = [[1e3]]
+        found.append((folder / 'a.mat').read_bytes())
     elif kind == 'wav':
         for samples in ((x * 30000).astype(np.int16), x.astype(np.float32)):
             wavfile.write(folder / 'a.wav', 8000, samples.reshape(-1, 2))

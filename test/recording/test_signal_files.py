@@ -197,7 +197,7 @@ def test_channels_are_the_longer_side_of_a_table(tmp_path: Path, shape: tuple[in
 def test_of_a_stereo_file_the_other_channel_is_named(tmp_path: Path) -> None:
     path = tmp_path / 'a.wav'
     wavfile.write(path, 20000, X.reshape(-1, 2))
-    assert read_signal(path).source.endswith('channel 0 (there is also 1)')
+    assert read_signal(path).source.endswith('channel 0 (there is also channel 1)')
     assert read_signal(path, channel='1').source.endswith('channel 1')
 
 
@@ -216,6 +216,8 @@ def test_a_channel_of_one_axis_or_of_three_dimensions_is_refused_with_the_remedy
     path = tmp_path / 'a.npz'
     np.savez(path, x=X, fs=1000.0)
     with pytest.raises(BearingTwinError, match=r"one axis of 5000 samples: leave .* '7'"):
+        read_signal(path, channel='x:7')
+    with pytest.raises(BearingTwinError, match=r"channel '7' does not exist; there are 0..0"):
         read_signal(path, channel='7')
     np.savez(path, x=X.reshape(2, 50, 50), fs=1000.0)
     with pytest.raises(BearingTwinError, match='3 dimensions; save each signal as a row'):

@@ -119,12 +119,8 @@ def read_csv(path: Path) -> dict[str, Any]:
         if column.size < 2 or not is_time(name):
             found[name] = np.ascontiguousarray(column)
             continue
-        rate, problem = rate_of_times(name, column)
-        if rate > 0.0:
-            # A rate that is stated before the numbers goes before one of rounded times.
-            found.setdefault('fs', np.array(rate))
-        elif problem:
-            found['no_rate'] = np.array(problem)
+        # A rate that is stated before the numbers goes before one of rounded times.
+        found = {**rate_of_times(name, column), **found}
     return found
 
 

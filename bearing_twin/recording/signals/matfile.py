@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Read variables of untrusted MATLAB files (versions 4 to 7; version 7.3 is HDF5 and is refused).
+Read variables of untrusted MATLAB files (versions 4 to 7, and 7.3 by :mod:`.hdf5file`).
 
 scipy.io.loadmat (1.17) is not used, because damaged files crash it with a segmentation fault. The
 format is described in "MAT-File Format", The MathWorks, 2019. Only real numbers, texts, and
@@ -17,6 +17,8 @@ from typing import Any, TYPE_CHECKING
 import zlib
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.signals.hdf5file import read_hdf5, SIGNATURE
+from bearing_twin.recording.signals.reading import MOST_UNPACKED, readable
 import numpy as np
 
 if TYPE_CHECKING:
@@ -24,7 +26,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-MOST_UNPACKED = 1024 * 1024 * 1024
 DEEPEST = 32
 MOST_FIELDS = 10_000
 HEADER = 128
@@ -51,20 +52,19 @@ def read_mat(path: Path) -> dict[str, Any]:
     Raises
     ------
     BearingTwinError
-        If the file is damaged, too large when unpacked, nested too deeply or of version 7.3.
+        If the file is damaged, too large when unpacked or nested too deeply.
 
     """
-    try:
+    found: dict[str, Any] = {}
+    with readable(path, '.mat', 'is it complete?'):
         content = path.read_bytes()
-        found: dict[str, Any] = {}
-        for name, value in _variables(content):
-            found.setdefault(_plain(name), value)
-    except (OSError, struct.error, ValueError, OverflowError, MemoryError, zlib.error) as error:
-        reason = getattr(error, 'strerror', None) or error
-        msg = f'{path} cannot be read as .mat ({type(error).__name__}: {reason})'
-        raise BearingTwinError(msg) from None
-    except BearingTwinError as error:
-        raise BearingTwinError(f'{path}: {error}') from None
+        if SIGNATURE in content[:520]:
+            return {_plain(name): value for name, value in read_hdf5(path).items()}
+        try:
+            for name, value in _variables(content):
+                found.setdefault(_plain(name), value)
+        except BearingTwinError as error:
+            raise BearingTwinError(f'{path}: {error}') from None
     return found
 
 
@@ -84,7 +84,7 @@ def _variables(content: bytes) -> Iterator[tuple[str, Any]]:
     order = '<' if mark == b'IM' else '>'
     (version,) = struct.unpack_from(f'{order}H', content, 124)
     if version != 0x0100:
-        raise BearingTwinError("this is MATLAB 7.3 (HDF5), which is not read; save it with '-v7'")
+        raise BearingTwinError(f'its header states version {version:#x}, and it is no HDF5')
     room = MOST_UNPACKED
     for kind, data in _elements(memoryview(content)[HEADER:], order, padded=False):
         if kind == COMPRESSED:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Read arrays of untrusted ``.npz`` files: without pickle, and with bounded memory."""
+"""Read arrays of untrusted ``.npz`` and ``.npy`` files: no pickle, and with bounded memory."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import zipfile
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import real_numbers
 from bearing_twin.recording.mcap.mcapfile import refuse_special
+from bearing_twin.recording.signals.reading import MOST_UNPACKED, readable
 import numpy as np
 
 if TYPE_CHECKING:
@@ -20,9 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-MOST_UNPACKED = 1024 * 1024 * 1024
-"""Most unpacked bytes that are read from a file."""
 MOST_MEMBERS = 10_000
+MADE = 'is it complete, and made by NumPy?'
 
 
 def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any]:
@@ -38,29 +38,25 @@ def read_npz(path: Path, wanted: Collection[str] | None = None) -> dict[str, Any
     refuse_special(path)
     arrays: dict[str, Any] = {}
     room = MOST_UNPACKED
-    try:
-        with zipfile.ZipFile(path) as archive:
-            members = archive.infolist()
-            if len(members) > MOST_MEMBERS:
-                msg = f'{path} has {len(members)} members; at most {MOST_MEMBERS} are read'
-                raise BearingTwinError(msg)
-            for member in members:
-                name = member.filename.removesuffix('.npy')
-                if wanted is not None and name not in wanted:
-                    continue
-                with archive.open(member) as file:
-                    arrays[name] = _read_array(file, member.file_size, room, f'{path}: {name}')
-                room -= arrays[name].nbytes
-    except BearingTwinError:
-        raise
-    except OSError as error:
-        raise BearingTwinError(f'{path} cannot be read: {error.strerror or error}') from None
-    except Exception as error:
-        # zipfile, NumPy and its tokenizer raise exceptions of many types if bytes are damaged.
-        # Some of them hold the bytes.
-        msg = f'{path} cannot be read as .npz ({type(error).__name__}: {error!s:.200})'
-        raise BearingTwinError(f'{msg}; is it complete, and made by numpy.savez?') from None
+    with readable(path, '.npz', MADE), zipfile.ZipFile(path) as archive:
+        members = archive.infolist()
+        if len(members) > MOST_MEMBERS:
+            msg = f'{path} has {len(members)} members; at most {MOST_MEMBERS} are read'
+            raise BearingTwinError(msg)
+        for member in members:
+            name = member.filename.removesuffix('.npy')
+            if wanted is not None and name not in wanted:
+                continue
+            with archive.open(member) as file:
+                arrays[name] = _read_array(file, member.file_size, room, f'{path}: {name}')
+            room -= arrays[name].nbytes
     return arrays
+
+
+def read_npy(path: Path) -> dict[str, Any]:
+    """Return the array of an ``.npy`` file as ``x``; errors as :func:`read_npz`."""
+    with readable(path, '.npy', MADE), path.open('rb') as file:
+        return {'x': _read_array(file, path.stat().st_size, MOST_UNPACKED, str(path))}
 
 
 def temperature_readings(

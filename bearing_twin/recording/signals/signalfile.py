@@ -1,19 +1,17 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Read vibration signals from other programs: npz, mat, wav, csv, Parquet sets, MCAP recordings.
+Read vibration signals of other programs: text, MATLAB, NumPy and others, Parquet sets, MCAP.
 
-No code in a file is executed (npz and mat are read without pickle). Stated sizes are checked
+No code in a file is executed (npz, npy and mat are read without pickle). Stated sizes are checked
 before memory is allocated: reading takes at most about three times ``LARGEST_FILE``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from io import BytesIO
 import math
 from typing import Any, TYPE_CHECKING
-import warnings
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor, GRAVITY
@@ -23,10 +21,14 @@ from bearing_twin.recording.finding import ending, SIGNAL_FILES
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.recording.signals.csvfile import read_csv, unit_in
 from bearing_twin.recording.signals.dataset import dataset_signals, is_dataset, read_dataset_signal
+from bearing_twin.recording.signals.lvmfile import read_lvm
 from bearing_twin.recording.signals.matfile import read_mat
 from bearing_twin.recording.signals.mcapsignal import read_vibration_topic, vibration_topics
-from bearing_twin.recording.signals.npz import read_npz
+from bearing_twin.recording.signals.npz import read_npy, read_npz
+from bearing_twin.recording.signals.tdmsfile import read_tdms
 from bearing_twin.recording.signals.timecolumn import is_even
+from bearing_twin.recording.signals.ufffile import read_uff
+from bearing_twin.recording.signals.wavfile import read_wav
 import numpy as np
 
 if TYPE_CHECKING:
@@ -37,9 +39,24 @@ if TYPE_CHECKING:
 
 
 LARGEST_FILE = 1024 * 1024 * 1024
-"""Largest npz, mat, wav or csv file, bytes. MCAP files are read in pieces and have no limit."""
+"""Largest file, bytes. MCAP files are read in pieces and have no limit."""
 MOST_SAMPLES = 100_000_000
 """Longest signal, samples (65 min at 25.6 kHz)."""
+READERS: dict[str, Callable[[Path], dict[str, Any]]] = dict(
+    zip(
+        SIGNAL_FILES,
+        (
+            read_npz, read_npy, read_mat, read_wav, read_tdms, read_uff, read_uff, read_lvm,
+            read_csv, read_csv, read_csv,
+        ),
+        strict=True,
+    )
+)  # fmt: skip
+"""
+The reader for each suffix. It returns the arrays of a file by name, and what the file says of all
+(``fs``, ``rpm``, ``unit``, ...). ``each`` has what it says of single arrays, by their names, with
+the ``zero`` and the ``scale`` of integers; ``remark`` is added to the source.
+"""
 
 SHORTEST = 64
 """Samples of the shortest row that is a signal; in tables of shorter rows, columns are signals."""
@@ -84,9 +101,13 @@ def read_signal(
     ``.npz``   array ``x`` (or the longest one), ``fs``, ``rpm``, ``bearing_name``, ``label``; in a
                two-dimensional array a channel is a row, or a column if the rows have fewer than
                64 values; ``rpm`` or ``shaft_hz`` may be as long as the signal
-    ``.mat``   MATLAB up to version 7: the named or the longest numeric vector among variables and
-               struct fields; ``fs``/``sr``, ``rpm`` and ``X123RPM`` of CWRU
+    ``.npy``   its array, as ``x`` of ``.npz``
+    ``.mat``   MATLAB: the named or the longest numeric vector among variables and struct fields;
+               ``fs``/``sr``, ``rpm`` and ``X123RPM`` of CWRU
     ``.wav``   a channel is a number from 0; full scale is 1
+    ``.tdms``  National Instruments: ``wf_increment``, ``unit_string`` and ``rpm`` of the channel
+    ``.uff``   and ``.unv``, Universal File Format: time records in data sets 58
+    ``.lvm``   LabVIEW measurement: ``Delta_X``, ``Y_Unit_Label``
     ``.csv``   comma, semicolon, tab or blanks; a column ``time``, or times of day at the begin of
                the lines, give the sample rate
     ``.39``    a name that ends in a number, as ``2004.02.12.10.32.39``: read as ``.csv``
@@ -121,7 +142,7 @@ def read_signal(
             channel = _named(vibration_topics(path), channel, path)
         found = read_vibration_topic(path, channel, most=MOST_SAMPLES)
     else:
-        found = _read_file(path, channel)
+        found = _choose(_read_file(path), path, channel)
     said = _number(found, RATES)
     rate = said if sample_rate is None else sample_rate
     if math.isnan(rate):
@@ -160,9 +181,7 @@ def channels(path: Path) -> list[str]:
         return [str(row['signal_id']) for row in dataset_signals(path)]
     if path.is_dir() or path.suffix.lower() == '.mcap':
         return list(vibration_topics(path))
-    arrays = _reader(path)(path)
-    if path.suffix.lower() == '.wav':
-        return [str(index) for index in range(arrays['table'].shape[1])]
+    arrays = _read_file(path)
     numeric = _numeric(arrays)
     names = []
     for name in _candidates(numeric):
@@ -196,10 +215,8 @@ def _named(names: Iterable[str], said: str, path: Path) -> str:
     raise BearingTwinError(msg)
 
 
-def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
-    """Return the reader for a file, after checking that it exists and is not too large."""
-    readers = (read_npz, read_mat, _read_wav, read_csv, read_csv, read_csv)
-    reader = dict(zip(SIGNAL_FILES, readers, strict=True)).get(ending(path))
+def _read_file(path: Path) -> dict[str, Any]:
+    """Return what is in a file, after checking that it exists and is not too large."""
     refuse_special(path)
     try:
         size = path.stat().st_size
@@ -207,7 +224,7 @@ def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
         raise BearingTwinError(f'{path} does not exist') from None
     except OSError as error:
         raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
-    if reader is None:
+    if ending(path) not in READERS:
         msg = f'{path}: files ending in {", ".join(SIGNAL_FILES)} and .mcap are read'
         raise BearingTwinError(f'{msg}; export it as one of them')
     if size == 0:
@@ -215,48 +232,7 @@ def _reader(path: Path) -> Callable[[Path], dict[str, Any]]:
     if size > LARGEST_FILE:
         msg = f'{path} has {size} bytes; at most {LARGEST_FILE}: cut it into pieces'
         raise BearingTwinError(msg)
-    return reader
-
-
-def _read_file(path: Path, channel: str | None) -> dict[str, Any]:
-    arrays = _reader(path)(path)
-    choose = _of_wav if path.suffix.lower() == '.wav' else _choose
-    return choose(arrays, path, channel)
-
-
-def _read_wav(path: Path) -> dict[str, Any]:
-    # Imported when needed: the import of SciPy takes a second.
-    from scipy.io import wavfile
-
-    try:
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter('always')
-            rate, samples = wavfile.read(BytesIO(path.read_bytes()))
-        scale = 1.0
-        if samples.dtype.kind in 'iu':
-            scale = float(2 ** (8 * samples.dtype.itemsize - 1))
-        offset = 128.0 if samples.dtype == np.uint8 else 0.0
-        table = samples.reshape(samples.shape[0], -1)
-    except Exception as error:
-        # SciPy raises exceptions of many types if the bytes are damaged.
-        msg = f'{path} cannot be read as .wav ({type(error).__name__}: {error})'
-        raise BearingTwinError(f'{msg}; is it complete, and not compressed?') from None
-    torn = any('EOF' in str(warning.message) for warning in told)
-    return {'table': table, 'fs': rate, 'scale': scale, 'offset': offset, 'torn': torn}
-
-
-def _of_wav(wav: Mapping[str, Any], path: Path, channel: str | None) -> dict[str, Any]:
-    count = wav['table'].shape[1]
-    index = _index(channel or '0', count, f'{path}: channel')
-    # Damaged bytes may be signalling NaN, which would warn.
-    with np.errstate(invalid='ignore'):
-        x = (wav['table'][:, index].astype(np.float64) - wav['offset']) / wav['scale']
-    where = f', channel {index}'
-    if channel is None and count > 1:
-        where += f' (there is also {", ".join(map(str, range(1, min(count, 11))))})'
-    if wav['torn']:
-        where += ' (the file ends before its header says)'
-    return {'x': x, 'fs': wav['fs'], 'where': where}
+    return READERS[ending(path)](path)
 
 
 def _numeric(arrays: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
@@ -286,7 +262,7 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
     others: list[str] = []
     if not name:
         name, others = _likeliest(numeric)
-        if row and others and _is_line(numeric[name]):
+        if row and name and _is_line(numeric[name]):
             # The number is that of an array in the list of the channels: there is no table.
             names = _candidates(numeric)
             name, row, others = names[_index(row, len(names), f'{path}: channel')], '', []
@@ -310,10 +286,15 @@ def _choose(arrays: Mapping[str, Any], path: Path, channel: str | None) -> dict[
     elif row:
         msg = f'{path}: {name} has one axis of {x.size} samples: leave out the channel {row!r}'
         raise BearingTwinError(msg)
-    said = {key: value for key, value in arrays.items() if key != name}
+    about = arrays.get('each', {}).get(name, {})
+    said = {**{key: value for key, value in arrays.items() if key != name}, **about}
+    if 'scale' in about:
+        # Damaged bytes may be signalling NaN, which would warn.
+        with np.errstate(invalid='ignore'):
+            x = (x.astype(np.float64) - about['zero']) / about['scale']
     if unit := unit_in(name):
         said['unit'] = np.array(unit)
-    return {**said, 'x': x, 'where': where}
+    return {**said, 'x': x, 'where': where + arrays.get('remark', '')}
 
 
 def _asked(

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -30,28 +29,30 @@ SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 """Least time since 1970 in ns, us and ms, if no unit is given, and the unit in s."""
 
 
-def rate_of_times(name: str, times: NDArray[Any]) -> tuple[float, str]:
+def rate_of_times(name: str, times: NDArray[Any]) -> dict[str, Any]:
     """
-    Return the sample rate of a column of times, Hz, or NaN, and why it has none.
+    Return the sample rate of a column of times, Hz, as ``fs``, or why it has none as ``no_rate``.
 
     The heading ``name`` says the unit. Without a unit, times since 1970 are known by their size
-    and others are in s. The reason is '' if the heading has an unknown unit, or if the times fall.
+    and others are in s. Neither is there if the heading has an unknown unit, or if the times fall.
 
     Examples
     --------
     >>> rate_of_times('t [ms]', np.arange(9.0)), rate_of_times('t [ms]', -np.arange(9.0))
-    ((1000.0, ''), (nan, ''))
+    ({'fs': array(1000.)}, {})
 
     """
+    if times.size < 2:
+        return {}
     scale = _seconds(name)
     if not unit_of(name):
         scale *= next((unit for least, unit in SINCE_1970 if times[0] >= least), 1.0)
     step = scale * _mean_step(times)
     if step > 0.0 and is_even(times):
-        return _nominal(1.0 / step), ''
+        return {'fs': np.array(nominal_rate(1.0 / step))}
     if scale > 0.0 and not step <= 0.0:
-        return math.nan, _gap(name, scale * np.diff(times))
-    return math.nan, ''
+        return {'no_rate': np.array(_gap(name, scale * np.diff(times)))}
+    return {}
 
 
 def is_time(heading: str) -> bool:
@@ -116,6 +117,8 @@ def is_even(column: NDArray[Any]) -> bool:
     with np.errstate(over='ignore', invalid='ignore'):
         values = column.ravel().astype(np.float64)
         steps = np.diff(values)
+        if steps[:1000].min(initial=0.0) < 0.0 < steps[:1000].max(initial=0.0):
+            return False
         step = steps.mean()
         if not (step and np.all(steps * step >= 0.0)):
             return False
@@ -125,11 +128,11 @@ def is_even(column: NDArray[Any]) -> bool:
     return bool(away <= 1.5 * max(digit, abs(step)))
 
 
-def _nominal(rate: float) -> float:
+def nominal_rate(rate: float) -> float:
     """
     Return the whole rate within a millionth, Hz, or else the rate: printed times are rounded.
 
-    >>> _nominal(11999.9992), _nominal(48828.125)
+    >>> nominal_rate(11999.9992), nominal_rate(48828.125)
     (12000.0, 48828.125)
 
     """
