@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.cli.arguments import refuse_given, refuse_topic
 from bearing_twin.errors import refused
 from bearing_twin.recording.temperature import (
+    ORDERS,
     paper_schedule,
     read_temperatures,
     START,
@@ -31,6 +32,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
              'dates) and one in degC, or .npz with temp_t_s and temp_C',
     )  # fmt: skip
     parser.add_argument(
+        '--dates', choices=ORDERS, default='', help='order of dates such as 04/03/2026 in --from'
+    )
+    parser.add_argument(
         '--duration', type=float, default=40.0, help='time from 20 to 110 degC in s (default 40)'
     )
     parser.add_argument('--topic', default='/temperature', help='default /temperature')
@@ -41,9 +45,10 @@ def run(args: argparse.Namespace) -> int:
     refuse_topic(args.topic)
     if args.measured:
         refuse_given(args, ('duration',), 'not with --from, which has its own')
-        times, temperatures, start = read_temperatures(args.measured)
+        times, temperatures, start = read_temperatures(args.measured, args.dates)
         source = f'measured, {args.measured.name}'
     else:
+        refuse_given(args, ('dates',), 'only with --from')
         with refused():
             (times, temperatures), start = paper_schedule(args.duration), START
         source = 'schedule of the paper: 20 to 110 degC in proportion to time'

@@ -34,9 +34,13 @@ _UNITS = SECONDS | {'min': 60.0, 'h': 3600.0}
 """Units of times in s. A vibration is timed in the shorter ones only."""
 _TEMPERATURE = re.compile(r'temp|.*(°|deg) ?C\b', re.IGNORECASE)
 """Begin of the heading of a temperature."""
-_DAY_FIRST = re.compile(r'(\d\d?)\.(\d\d?)\.(\d{4})\b')
-"""A date with points, whose day is first everywhere. Slashes may part day or month."""
-_DATE = re.compile(r'\d+([-.])\d+\1\d+')
+ORDERS = ('day-first', 'month-first')
+"""Orders of dates such as 04/03/2026."""
+_YEAR_LAST = re.compile(r'\b(\d\d?)([./-])(\d\d?)\2(\d{4})\b')
+"""A date with points, whose day is first everywhere, or with slashes, whose month may be."""
+_YEAR_FIRST = re.compile(r'\b(\d{4})/(\d\d?)/(\d\d?)\b')
+_HOURS = re.compile(r'(?<![\d:])(\d\d?)(:\d\d(?::\d\d(?:\.\d+)?)?)(?: ?([AP])M)?\b', re.IGNORECASE)
+_DATE = re.compile(r'\d+-\d+-\d+')
 _CLOCK = re.compile(r'\d\d?:\d\d(:\d\d([.,]\d+)?)?')
 _OTHER_UNIT = re.compile(r'(°|deg) ?F\b|fahrenheit|[(\[]K[)\]]|kelvin', re.IGNORECASE)
 
@@ -83,7 +87,7 @@ def paper_schedule(duration: float = 40.0) -> tuple[NDArray[np.float64], NDArray
     return times, 20.0 + 90.0 * times / times[-1]
 
 
-def read_temperatures(path: Path) -> Measured:
+def read_temperatures(path: Path, dates: str = '') -> Measured:
     """
     Return a measured temperature from a text file of a logger or from an ``.npz`` file.
 
@@ -91,13 +95,14 @@ def read_temperatures(path: Path) -> Measured:
     8601, or day.month.year; UTC if they name no zone; the time of day may have its own column),
     seconds since 1970, or seconds, or what a heading says (ns to h). The temperatures, degC, are
     the column whose heading begins with ``temp`` or has the unit degC, or the only other one.
+    Dates with slashes have the order ``dates``, one of `ORDERS`, unless a day above 12 tells it.
     An ``.npz`` file has the arrays ``temp_t_s`` (s) and ``temp_C`` (degC).
 
     Raises
     ------
     BearingTwinError
-        If the file has no such columns or arrays, a time that is none or that falls, or fewer than
-        two temperatures.
+        If the file has no such columns or arrays, dates of unknown order, a time that is none or
+        that falls, or fewer than two temperatures.
 
     """
     if path.suffix.lower() == '.npz':
@@ -108,7 +113,7 @@ def read_temperatures(path: Path) -> Measured:
             )
         times, temperatures = temperature_readings(path, arrays)
     else:
-        times, temperatures = _columns(path)
+        times, temperatures = _columns(path, dates)
     if np.count_nonzero(np.isfinite(temperatures)) < 2:
         raise BearingTwinError(f'{path} has fewer than two temperatures; record for longer')
     falls = np.flatnonzero(~(np.diff(times, prepend=times[0]) >= 0.0))
@@ -121,9 +126,9 @@ def read_temperatures(path: Path) -> Measured:
     return Measured(times - times[0], temperatures, start)
 
 
-def _columns(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _columns(path: Path, dates: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the times, s, and the temperatures, degC, of a text file."""
-    lines = table_text(path).splitlines()
+    lines = _with_iso_dates(path, table_text(path), dates).splitlines()
     # Without any of these, blanks part the columns.
     separator = next((s for s in '\t;,' if any(s in line for line in lines[:HEAD])), ' ')
     rows = [[field.strip() for field in fields_of(line, separator)] for line in lines]
@@ -189,15 +194,42 @@ def _seconds(field: str, unit: float = 1.0) -> float | None:
     if not math.isnan(number := _number(field)):
         return number * unit
     try:
-        date = datetime.fromisoformat(_DAY_FIRST.sub(_year_first, field).replace('Z', '+00:00'))
+        date = datetime.fromisoformat(field.replace('Z', '+00:00'))
     except ValueError:
         return None
     return (date if date.tzinfo else date.replace(tzinfo=timezone.utc)).timestamp()
 
 
-def _year_first(date: re.Match[str]) -> str:
-    day, month, year = date.groups()
-    return f'{year}-{month:0>2}-{day:0>2}'
+def _with_iso_dates(path: Path, text: str, order: str) -> str:
+    """Return a text in which dates are year-month-day, and times of day have 24 hours."""
+    slashed = [date for date in _YEAR_LAST.finditer(text) if date[2] != '.']
+    told = {ORDERS[place // 2]: d[0] for d in slashed for place in (1, 3) if int(d[place]) > 12}
+    if len(told) > 1 or (order and told and order not in told):
+        listed = ' and '.join(f'{date} ({name})' for name, date in told.items())
+        msg = f'{path} has the dates {listed}; give all in one order, that of --dates'
+        raise BearingTwinError(msg)
+    order = order or ''.join(told)
+    if slashed and not order:
+        raise BearingTwinError(
+            f'{path}: {slashed[0][0]} may have the day or the month first; give --dates '
+            f'{" or --dates ".join(ORDERS)}'
+        )
+
+    def iso(date: re.Match[str]) -> str:
+        first, second = date[1], date[3]
+        if date[2] == '.' or order == ORDERS[0]:
+            first, second = second, first
+        return f'{date[4]}-{first:0>2}-{second:0>2}'
+
+    text = _YEAR_FIRST.sub(lambda d: f'{d[1]}-{d[2]:0>2}-{d[3]:0>2}', _YEAR_LAST.sub(iso, text))
+    return _HOURS.sub(_of_24_hours, text)
+
+
+def _of_24_hours(clock: re.Match[str]) -> str:
+    hour = int(clock[1])
+    if clock[3]:
+        hour = hour % 12 + 12 * (clock[3] in 'pP')
+    return f'{hour:02}{clock[2]}'
 
 
 def write_temperature_recording(

@@ -77,6 +77,37 @@ def test_a_table_of_times_and_temperatures_becomes_a_recording(text, start, seco
     assert temperatures == [20.0, 21.0, 23.5]
 
 
+@pytest.mark.parametrize(
+    ('dates', 'order', 'month'),
+    [
+        ('04/03/2026 {}', 'day-first', 3),
+        ('4/3/2026 {}', 'month-first', 4),
+        ('30/03/2026 {}', '', 3),
+        ('3/30/2026,{}', '', 3),
+        ('30-03-2026 {}', 'day-first', 3),
+        ('2026/3/4 {}', '', 3),
+    ],
+)
+def test_the_order_of_dates_with_slashes_is_told_by_a_day_or_by_the_user(
+    dates, order, month, tmp_path, capsys
+):
+    clocks = ('9:00:00 AM', '12:30 PM', '1:05 pm') if month == 4 else ('9:00', '12:30', '13:05')
+    lines = [f'{dates.format(clock)},{20 + k}' for k, clock in enumerate(clocks)]
+    (tmp_path / 'log.csv').write_text('\n'.join(lines))
+    words = ['schedule', '--from', str(tmp_path / 'log.csv'), '-o', str(tmp_path / 'run')]
+    assert main([*words, *(['--dates', order] if order else [])]) == 0
+    times, temperatures = _recorded(tmp_path / 'run')
+    day = 30 if '30' in dates else (3 if month == 4 else 4)
+    start = datetime(2026, month, day, 9, tzinfo=timezone.utc).timestamp()
+    assert [time / NANO - start for time in times] == [0.0, 12600.0, 14700.0]
+    assert temperatures == [20.0, 21.0, 22.0]
+    if '30' in dates:
+        capsys.readouterr()
+        other = 'month-first' if dates[0] == '3' and dates[1] == '0' else 'day-first'
+        assert main([*words[:-1], str(tmp_path / 'other'), '--dates', other]) == 1
+        assert 'give all in one order, that of --dates' in capsys.readouterr().err
+
+
 def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
     (tmp_path / 'log.csv').write_text('time,temperature\n0,20\n1,\n2,n/a\n3,1e400\n4,23\n')
     words = ['schedule', '--from', str(tmp_path / 'log.csv'), '-o', str(tmp_path / 'run')]
@@ -99,7 +130,14 @@ def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
             'nothing\n',
             'has no line of a time and a temperature; give times in s or as dates such as',
         ),
-        ('03/01/2026 12:00;20\n', 'has no line of a time and a temperature'),
+        (
+            'time;T\n03/01/2026 12:00;20\n04/01/2026 12:00;20\n',
+            '03/01/2026 may have the day or the month first; give --dates day-first or --dates m',
+        ),
+        (
+            '30/11/2026 12:00;20\n11/30/2026 12:00;20\n',
+            'has the dates 30/11/2026 (day-first) and 11/30/2026 (month-first); give all in one',
+        ),
         ('time,temperature\nnan,20\n0,21\n1,22\n', 'line 2 has no time: nan'),
         ('0,20\n1e300,21\n', 'a time of 1e+300 s; stamps of ROS end in 2038'),
     ],
