@@ -43,7 +43,6 @@ SUMMARY = Summary(
         (['--rate', '0'], 'rate', 2),
         (['--rate', 'nan'], 'rate', 2),
         (['--defect', 'foo'], "'foo'", 2),
-        (['--domain-id', '5000'], '5000', 2),
         (['--recording', 'missing.mcap'], 'missing.mcap', 1),
     ],
 )

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from dataclasses import asdict
 from datetime import datetime
 import json
@@ -47,7 +46,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--out', type=Path, default=Path('runs'), help='folder for the run (default ./runs)'
     )
-    parser.add_argument('--domain-id', type=int, help='ROS domain (default: an unused one)')
     parser.add_argument('--no-rerun', action='store_true', help='write no Rerun recording')
     parser.add_argument('--json', action='store_true', help='print the result as JSON')
 
@@ -61,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     with refused():
         preset(PRESET, defect=args.defect)
     say = (lambda *_: None) if args.json else print
-    with _choose_domain(args.domain_id) as domain:
+    with _own_domain() as domain:
         folder = make_folder(args.out)
         say(f'recording  {recording} ({info.duration:.0f} s at pace {args.rate:g})')
         say(f'nodes      twin, diagnosis, recorder, replay in ROS domain {domain}')
@@ -87,14 +85,11 @@ def make_folder(out: Path) -> Path:
     return folder
 
 
-def _choose_domain(asked: int | None) -> AbstractContextManager[int]:
+def _own_domain() -> AbstractContextManager[int]:
     os.environ.update(local_environment(0))
-    from bearing_twin.ros.processes.domain import check_domain, own_domain
+    from bearing_twin.ros.processes.domain import own_domain
 
-    if asked is None:
-        return own_domain(os.getpid())
-    check_domain(asked)
-    return nullcontext(asked)
+    return own_domain(os.getpid())
 
 
 def shipped_schedule() -> Path:

@@ -81,7 +81,7 @@ class Watcher:
         while (left := end - time.monotonic()) > 0:
             self._executor.spin_once(timeout_sec=left)
         if self._node.count_publishers('twin_state') > 1:
-            msg = 'another twin has come into this ROS domain: name one of your own (--domain-id)'
+            msg = 'another twin has come into the ROS domain of the demo: end it, and start again'
             raise BearingTwinError(msg)
         state, verdict = self._state, self._verdict
         if quiet or state is None:

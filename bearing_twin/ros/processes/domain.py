@@ -10,7 +10,7 @@ import socket
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError, refused, UsageError
+from bearing_twin.errors import BearingTwinError, refused
 from bearing_twin.quantity import check_range
 from bearing_twin.ros.processes.launching import ensure_log_folder
 import rclpy
@@ -25,8 +25,6 @@ DOMAINS = 100
 """Domains 1 to 100 do not use the ephemeral ports of Linux."""
 LISTEN = 1.5
 """Time after which every participant of a domain has announced itself, s."""
-LISTEN_FOR_NAMES = 10.0
-"""Longest time to wait for the announcement of a participant that holds a port, s."""
 
 # RTPS 2.5, section 9.6.2.3: first port of a domain, and ports of its participants.
 FIRST_PORT, PORTS_A_DOMAIN = 7400, 250
@@ -84,17 +82,6 @@ def inhabitants(domain: int, listen: float) -> list[str]:
     finally:
         node.destroy_node()
         context.shutdown()
-
-
-def check_domain(domain: int) -> None:
-    """Raise BearingTwinError unless ``domain`` can be used and is empty."""
-    if not 0 <= domain <= HIGHEST_DOMAIN:
-        raise UsageError(f'ROS domain {domain} is not within 0..{HIGHEST_DOMAIN}')
-    # A process may hold a port by chance, above domain 100: only announcements count.
-    others = inhabitants(domain, LISTEN_FOR_NAMES if _ports_are_held(domain) else LISTEN)
-    if others:
-        msg = f'in ROS domain {domain} there is {others[0]} already; name another, or none'
-        raise BearingTwinError(msg)
 
 
 @contextmanager
