@@ -117,7 +117,6 @@ RERUN = (
 """The same for Rerun, a room of the view."""
 
 ROS = (
-    'entities',
     'executor',
     'topics',
     'reserves',

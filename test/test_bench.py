@@ -8,9 +8,9 @@ from pathlib import Path
 import re
 
 from bearing_twin.bench import end_to_end, files, kernel, live
-from bearing_twin.bench.figures import FIGURES
 from bearing_twin.bench.live import FleetRun, Search
 from bearing_twin.cli import bench
+from bearing_twin.cli.bench import FIGURES
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin_msgs.msg import TwinState, Vibration

@@ -13,8 +13,8 @@ import subprocess
 import sys
 from types import ModuleType
 
-from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import COMMANDS, main
+from bearing_twin.cli.bench import FIGURES
 from bearing_twin.cli.run import NODES
 from bearing_twin.cli.terminal import report_compiling
 from commands import python

@@ -21,9 +21,10 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import RESULT
 from bearing_twin.ros.topics.raw import message_class, replay_qos
-from bearing_twin.ros.topics.remapping import check_remapping, remapping
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.validate_full_topic_name import validate_full_topic_name
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:
@@ -315,3 +316,44 @@ def _check_definition(topic: TopicInfo) -> None:
 
 
 NODE = ReplayNode
+
+
+def remapping(rules: list[str]) -> dict[str, str]:
+    """Return the new name by recorded name, from rules ``recorded:=new``."""
+    names = {}
+    for rule in filter(None, rules):
+        recorded, separator, new = rule.partition(':=')
+        if not (recorded and separator and new):
+            raise BearingTwinError(f"remap='{rule}' does not read 'recorded:=new'")
+        try:
+            validate_full_topic_name(expand_topic_name(new, 'replay', '/'))
+        except (ValueError, NameValidationException) as error:
+            reason = str(error).partition(', at ')[0].splitlines()[0].rstrip(':')
+            raise BearingTwinError(f"remap='{rule}': {reason}") from None
+        names[recorded] = new
+    return names
+
+
+def check_remapping(names: Mapping[str, str], types: Mapping[str, str]) -> None:
+    """
+    Refuse rules that do not match the recording; ``types`` holds the types of replayed topics.
+
+    Raises
+    ------
+    BearingTwinError
+        If a rule names a topic that is not replayed, or two topics of different types would have
+        the same name.
+
+    """
+    unknown = sorted(names.keys() - types.keys())
+    if unknown:
+        raise BearingTwinError(
+            f'remap names {", ".join(unknown)}, which is not replayed; '
+            f'there is {", ".join(sorted(types))}'
+        )
+    taken: dict[str, str] = {}
+    for topic, kind in sorted(types.items()):
+        new = names.get(topic, topic)
+        if taken.setdefault(new, kind) != kind:
+            msg = f'remap puts {taken[new]} and {kind} on one topic, {new}; give {topic} another'
+            raise BearingTwinError(msg)

@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recompute the seed paper and judge its claims."""
 
-from bearing_twin.paper.claims.claim import Claim
-from bearing_twin.paper.claims.verdicts import Verdict, VERDICTS
+from bearing_twin.paper.claims.claim import Claim, Verdict, VERDICTS
 from bearing_twin.paper.recompute import recompute
 from bearing_twin.paper.report import claims_table, summary_line
 

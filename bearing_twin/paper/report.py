@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.paper import settings
-from bearing_twin.paper.claims.claim import rounded
-from bearing_twin.paper.claims.verdicts import VERDICTS
+from bearing_twin.paper.claims.claim import rounded, VERDICTS
 from bearing_twin.paper.equation_table import equation_table
 from bearing_twin.paper.figures.drawings import FIGURES
 from bearing_twin.thermal import gcr15

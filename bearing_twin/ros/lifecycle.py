@@ -11,7 +11,6 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.parameters.shared import AUTOSTART
 from bearing_twin.errors import BearingTwinError, shown, UsageError
-from bearing_twin.ros.entities import destroy_new, entities
 from bearing_twin.ros.executor import PolledGroup
 from bearing_twin.ros.parameters import ParameterSet, read_as_at_start, unknown_at_start
 from bearing_twin.ros.topics.subscribing import validated
@@ -26,7 +25,7 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Mapping
+    from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
 
     from bearing_twin.assets.parameters.spec import Spec
     from rclpy.impl.rcutils_logger import RcutilsLogger
@@ -46,6 +45,29 @@ POLL_PERIOD = 0.1
 """Longest time that a polled input waits, s."""
 PREPARATION = 'preparation'
 """Name of the threads that may compile: the compiler cannot be interrupted."""
+
+
+def entities(node: LifecycleNode) -> set[Any]:
+    """Return publishers, subscriptions, services, clients and timers of a node."""
+    return {
+        *(*node.publishers, *node.subscriptions),
+        *(*node.services, *node.clients, *node.timers),
+    }
+
+
+def destroy_new(node: LifecycleNode, before: Collection[Any]) -> None:
+    """Destroy all entities of a node that are not in ``before``."""
+    destroyers: tuple[tuple[Iterable[Any], Callable[[Any], bool]], ...] = (
+        (node.timers, node.destroy_timer),
+        (node.clients, node.destroy_client),
+        (node.services, node.destroy_service),
+        (node.subscriptions, node.destroy_subscription),
+        (node.publishers, node.destroy_lifecycle_publisher),
+    )
+    for made, destroy in destroyers:
+        for entity in list(made):
+            if entity not in before:
+                destroy(entity)
 
 
 class ManagedNode(LifecycleNode):

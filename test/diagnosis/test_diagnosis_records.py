@@ -4,7 +4,7 @@
 
 from pathlib import Path
 
-from bearing_twin.cli.benchmark.command import judge, read_cases
+from bearing_twin.cli.benchmark import judge, read_cases
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.recording.signals.signalfile import read_signal
 import numpy as np

@@ -13,9 +13,8 @@ import pytest
 pytest.importorskip('rclpy')
 
 from bearing_twin.nodes.replay import ReplayNode
-from bearing_twin.ros.entities import entities
 from bearing_twin.ros.health import Health
-from bearing_twin.ros.lifecycle import ManagedNode
+from bearing_twin.ros.lifecycle import entities, ManagedNode
 from rclpy.lifecycle import TransitionCallbackReturn
 from std_msgs.msg import String
 

@@ -9,18 +9,18 @@ import dataclasses
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims import model as claims_model
-from bearing_twin.paper.claims.claim import Claim
-from bearing_twin.paper.claims.model import circulation, system_matrix
-from bearing_twin.paper.claims.peaks import frequency_interval
-from bearing_twin.paper.claims.shift import shift_claims, slip_needed
-from bearing_twin.paper.claims.trend import falling_window, formula_change
-from bearing_twin.paper.claims.verdicts import (
+from bearing_twin.paper.claims.claim import (
     all_settings,
+    Claim,
     same_direction,
     share,
     VERDICTS,
     within,
 )
+from bearing_twin.paper.claims.model import circulation, system_matrix
+from bearing_twin.paper.claims.peaks import frequency_interval
+from bearing_twin.paper.claims.shift import shift_claims, slip_needed
+from bearing_twin.paper.claims.trend import falling_window, formula_change
 from bearing_twin.paper.dimensions import derived, dimension
 from bearing_twin.paper.recompute import judge
 import numpy as np

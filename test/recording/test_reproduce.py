@@ -17,8 +17,8 @@ from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.parameters.diagnosis import SPECS
 from bearing_twin.assets.parameters.spec import read_values
 from bearing_twin.bench.end_to_end import punctuality
-from bearing_twin.bench.figures import FIGURES
 from bearing_twin.cli import main
+from bearing_twin.cli.bench import FIGURES
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.offline.agreement import Agreement

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies, find_bearing
 from bearing_twin.paper import equations, settings
-from bearing_twin.paper.claims.claim import Claim
-from bearing_twin.paper.claims.verdicts import within
+from bearing_twin.paper.claims.claim import Claim, within
 import numpy as np
 
 if TYPE_CHECKING:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import settings
-from bearing_twin.paper.claims.claim import Claim, percents
+from bearing_twin.paper.claims.claim import Claim, percents, same_direction, share
 from bearing_twin.paper.claims.trend import formula_change, own_ratio, RESOLUTION
-from bearing_twin.paper.claims.verdicts import same_direction, share
 from bearing_twin.paper.space import PATHS, STATES
 from bearing_twin.paper.study import LITERATURE_DEPTHS, LITERATURE_LOADS, LITERATURE_WIDTHS
 import numpy as np

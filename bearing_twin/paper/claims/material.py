@@ -7,8 +7,7 @@ from __future__ import annotations
 import math
 
 from bearing_twin.paper import equations, settings
-from bearing_twin.paper.claims.claim import Claim
-from bearing_twin.paper.claims.verdicts import within
+from bearing_twin.paper.claims.claim import Claim, within
 from bearing_twin.paper.settings import COLD, HOT
 from bearing_twin.thermal import gcr15
 from bearing_twin.thermal.friction import (

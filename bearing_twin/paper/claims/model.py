@@ -13,8 +13,7 @@ from bearing_twin.dynamics import preset
 from bearing_twin.dynamics.equations.stability import steps, system_matrices
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.paper import equations, settings
-from bearing_twin.paper.claims.claim import Claim, percents
-from bearing_twin.paper.claims.verdicts import same_direction, within
+from bearing_twin.paper.claims.claim import Claim, percents, same_direction, within
 from bearing_twin.paper.dimensions import derived, dimension
 from bearing_twin.paper.settings import COLD, HOT
 import numpy as np

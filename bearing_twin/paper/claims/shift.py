@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
-from bearing_twin.paper.claims.claim import Claim
+from bearing_twin.paper.claims.claim import Claim, within
 from bearing_twin.paper.claims.frequency import BIN
 from bearing_twin.paper.claims.model import system_matrix
-from bearing_twin.paper.claims.verdicts import within
 import numpy as np
 
 if TYPE_CHECKING:

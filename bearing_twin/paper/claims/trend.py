@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.dynamics import preset
 from bearing_twin.paper import equations, settings
-from bearing_twin.paper.claims.claim import Claim, percent, percents
-from bearing_twin.paper.claims.verdicts import same_direction
+from bearing_twin.paper.claims.claim import Claim, percent, percents, same_direction
 from bearing_twin.paper.settings import COLD, HOT
 from bearing_twin.paper.space import PATHS
 from bearing_twin.paper.study import SMALL_DELTA_MU, STARTS, WINDOW_WIDTH

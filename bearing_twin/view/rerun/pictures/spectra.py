@@ -11,9 +11,8 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT
 from bearing_twin.stamps import NANO
-from bearing_twin.view.rerun.pictures.axes import labelled_power, numbered_end
 from bearing_twin.view.rerun.pictures.lanes import AGAIN
-from bearing_twin.view.rerun.pictures.picture import Picture
+from bearing_twin.view.rerun.pictures.picture import labelled_power, numbered_end, Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
 from bearing_twin.view.style import FAMILIES, LINE
 from bearing_twin.view.verdict import number

@@ -9,8 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.stamps import NANO
 from bearing_twin.view.over_temperature import NUMBERED, OverTemperature, STEP
-from bearing_twin.view.rerun.pictures.axes import labelled_power
-from bearing_twin.view.rerun.pictures.picture import Asset, Picture
+from bearing_twin.view.rerun.pictures.picture import Asset, labelled_power, Picture
 from bearing_twin.view.rerun.pictures.spectrogram import Spectrogram
 from bearing_twin.view.rerun.pictures.waterfall import Waterfall
 from bearing_twin.view.source import Source
