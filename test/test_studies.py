@@ -99,7 +99,7 @@ def test_the_weights_in_use_can_be_checked_without_a_fit(tmp_path, monkeypatch, 
     monkeypatch.setattr(reliability, 'fit', None)
     answers = tmp_path / 'answers.jsonl'
     reliability.main([str(answers), '--shipped', '--fresh', '0', '8', '--jobs', '1'])
-    assert '| **all** |' in capsys.readouterr().out
+    assert '| all |' in capsys.readouterr().out
 
 
 def test_what_is_not_rated_are_rules():

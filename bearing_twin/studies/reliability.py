@@ -353,23 +353,16 @@ def _fitted(args: argparse.Namespace) -> dict[str, dict[str, float]]:
 def _check(
     weights: dict[str, dict[str, float]], fresh: Sequence[RatedAnswer]
 ) -> Iterator[Sequence[object]]:
-    """Yield how far the confidence of fresh answers holds, by kind and range of confidence."""
+    """Yield how far the confidence of fresh answers holds, by kind."""
     groups = {kind: [t for t in fresh if t.kind == kind] for kind in KINDS}
     # Answers with a lower cap than their rule.
     caps = {rule.name: rule.at_most for rule in RULES}
     groups['unlikely slip'] = [t for t in fresh if t.trust.at_most < caps[t.trust.rule]]
     for kind, told in (groups | {'all': fresh}).items():
         said, right = _read(weights, told)
-        if kind in KINDS:
-            yield from (
-                (kind, f'{k / BINS:.1f} to {(k + 1) / BINS:.1f}', int(count), f'{mean:.2f}',
-                 f'{share:.2f}', '', '', '')
-                for k, (count, mean, share) in enumerate(_counts(said, right).T)
-                if count
-            )  # fmt: skip
         if told:
             means = (f'{values.mean():.2f}' for values in (said, right))
-            yield f'**{kind}**', '', len(told), *means, *_errors(said, right)
+            yield kind, len(told), *means, *_errors(said, right)
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -383,8 +376,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         about = 'written by python -m bearing_twin.studies.reliability'
         write_table(args.weights, {'about': about, 'weights': weights})
     fresh = _answers(args.output, tasks(args.fresh[0], args.fresh[1], FRESH), args.jobs)
-    heading = ('answer', 'confidence', 'answers', 'mean', 'right', 'error', 'by chance')
-    print_table((*heading, 'without chance'), _check(weights, fresh))
+    heading = ('answer', 'answers', 'mean', 'right', 'error', 'by chance', 'without chance')
+    print_table(heading, _check(weights, fresh))
     if args.picture:
         _draw(args.picture, weights, fresh)
 
