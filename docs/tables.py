@@ -14,6 +14,7 @@ import importlib
 import inspect
 import os
 from pathlib import Path
+import re
 import sys
 import tempfile
 from typing import Any, TYPE_CHECKING
@@ -66,6 +67,9 @@ nearest names instead. A file of assets and an offline run refuse it.
 ROS 2 joins the sections `/**` of all parameter files and of `-p` to the first one. Where a file
 begins with `/**` and sets a parameter in a section `/**/twin` behind it, `-p` loses against it
 (`ros2 launch` with our launch files does not): write such a file without `/**`.
+
+A topic, service or parameter that an earlier section has is only named in a later one (*as
+above*).
 
 Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`). A
 file of assets accepts both forms. A checkpoint, and the configuration in a recording, omits the
@@ -167,17 +171,21 @@ EVERY_NODE = ('/rosout', '/parameter_events')
 CLOCK_IN = ('in', '/clock')
 ABSOLUTE = ('diagnostics', 'clock')
 
+PARAMETER = ('parameter', 'type', 'default', 'unit', 'values', 'running', 'meaning')
+
 Row = tuple[str, ...]
 
 
 def document() -> str:
     """Return the text of ``docs/nodes.md``."""
+    told: set[Row] = set()
     with tempfile.TemporaryDirectory() as folder:
-        sections = [_node_section(name, Path(folder)) for name in NODES]
+        sections = [_node_section(name, Path(folder), told) for name in NODES]
         return '\n'.join([INTRODUCTION, *sections, *codes()])
 
 
-def _node_section(name: str, folder: Path) -> str:
+def _node_section(name: str, folder: Path, told: set[Row]) -> str:
+    """Return the section of a node; what ``told`` has of other nodes is only named in it."""
     node_class: type[ManagedNode] = importlib.import_module(f'bearing_twin.nodes.{name}').NODE
     topics: set[Row] = set()
     statuses: set[Row] = set()
@@ -206,10 +214,10 @@ def _node_section(name: str, folder: Path) -> str:
             '',
             f'`ros2 run bearing_twin {name}`: {_first_line(node_class)}',
             '',
-            *_table(head, sorted(topics, key=lambda row: (row[1], row[0]))),
-            *(_table(('service', 'type', 'meaning'), services) if services else []),
+            *_table(head, _topics_once(topics, told)),
+            *_once(('service', 'type', 'meaning'), services, told),
             *_table(('status', 'numbers', 'texts'), sorted(statuses)),
-            *_parameters(node.parameters.specs),
+            *_once(PARAMETER, _parameters(node.parameters.specs), told),
         ]
     )
 
@@ -237,6 +245,34 @@ def _needed(name: str, folder: Path) -> list[dict[str, str]]:
     if name == 'fleet':
         return [{'names': '[ASSET]'}]
     return [{'joint': 'shaft'}]
+
+
+def _of_any_node(row: Row) -> Row:
+    """Return a row without the asset or the node to which its name belongs."""
+    return (re.sub(r'ASSET/(twin/|diagnosis/|)|~/', '', row[0]), *row[1:])
+
+
+def _once(head: Row, rows: Sequence[Row], told: set[Row]) -> list[str]:
+    """Return a table of the rows that were not told before, and the names of the others."""
+    new = [row for row in rows if _of_any_node(row) not in told]
+    again = [row[0] for row in rows if row not in new]
+    told.update(map(_of_any_node, new))
+    lines = _table(head, new) if new else []
+    return [*lines, *([f'As above: {", ".join(again)}.', ''] if again else [])]
+
+
+def _topics_once(rows: Iterable[Row], told: set[Row]) -> list[Row]:
+    """Return the rows of new topics, and one of known ones for each quality of service."""
+    new, again = [], dict[Row, list[str]]()
+    for row in sorted(rows, key=lambda row: (row[1], row[0])):
+        name, direction, kind, qos, _ = row
+        about = _of_any_node((name, kind))
+        if about in told:
+            again.setdefault((direction, 'as above', qos, 'as above'), []).append(name)
+        else:
+            new.append(row)
+            told.add(about)
+    return [*new, *((', '.join(names), *rest) for rest, names in again.items())]
 
 
 def _table(head: Row, rows: Iterable[Row]) -> list[str]:
@@ -340,8 +376,8 @@ def _qos(profile: QoSProfile) -> str:
     return ', '.join(words)
 
 
-def _parameters(specs: Iterable[Spec]) -> list[str]:
-    rows = []
+def _parameters(specs: Iterable[Spec]) -> list[Row]:
+    rows: list[Row] = []
     for spec in specs:
         if spec.choices:
             limits = ', '.join(f'`{choice}`' if choice else "`''`" for choice in spec.choices)
@@ -363,7 +399,7 @@ def _parameters(specs: Iterable[Spec]) -> list[str]:
                 spec.description.replace('|', '\\|'),
             )
         )
-    return _table(('parameter', 'type', 'default', 'unit', 'values', 'running', 'meaning'), rows)
+    return rows
 
 
 def _number(value: float) -> str:

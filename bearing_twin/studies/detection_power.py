@@ -109,14 +109,18 @@ def main(argv: Sequence[str] | None = None) -> None:
     table = simulate_table()
     write_table(args.output, table)
     print_table(
-        ('fault', 'shaft Hz', 'degC', 'noise m/s^2', *(f'{w:g} s' for w in WINDOWS)),
+        ('fault', 'shaft Hz', 'degC', *(f'noise {noise:g} m/s^2' for noise in NOISES)),
         (
-            (defect, f'{SPEEDS[i]:g}', f'{TEMPERATURES[j]:g}', f'{NOISES[k]:g}',
-             *('-' if mm is None else f'{mm:g}' for mm in rows[i][j][k]))
+            (defect, f'{SPEEDS[i]:g}', f'{TEMPERATURES[j]:g}', *map(_by_window, rows[i][j]))
             for defect, rows in table['smallest_mm'].items()
-            for i, j, k in np.ndindex(len(SPEEDS), len(TEMPERATURES), len(NOISES))
+            for i, j in np.ndindex(len(SPEEDS), len(TEMPERATURES))
         ),
-    )  # fmt: skip
+    )
+
+
+def _by_window(smallest: Sequence[float | None]) -> str:
+    """Return the smallest widths by window as text."""
+    return ', '.join('-' if mm is None else f'{mm:g}' for mm in smallest)
 
 
 if __name__ == '__main__':
