@@ -16,10 +16,8 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import find_recording
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.view.rerun.logger import RerunLogger
-from bearing_twin.view.rerun.outlet import Outlet
 from bearing_twin.view.rerun.viewer import listening, live_url, LOOPBACK
 import pytest
-import rerun as rr
 
 
 def test_a_client_that_never_reads_holds_nothing_up(recording, tmp_path):
@@ -118,33 +116,6 @@ def test_a_process_that_draws_many_pictures_keeps_none_of_their_threads(tmp_path
             pass
         counts.append(len(list(tasks.iterdir())))
     assert counts[-1] <= counts[2] + 2
-
-
-def test_a_file_is_given_up_when_it_no_longer_grows_not_after_a_time(tmp_path):
-    rrd, tries = tmp_path / 'slow.rrd', []
-    outlet = Outlet('slow', rr.FileSink(str(rrd)), place=rrd)
-    real = outlet.recording
-
-    class Slow:
-        def flush(self, timeout_sec):
-            tries.append(timeout_sec)
-            if len(tries) < 4:
-                # What a loaded machine has written meanwhile.
-                with rrd.open('ab') as file:
-                    file.write(bytes(1))
-            if len(tries) < growing:
-                raise RuntimeError('timeout')
-
-        def disconnect(self):
-            real.disconnect()
-
-    growing, outlet.recording = 3, Slow()
-    outlet.close()
-    assert len(tries) == 3
-    growing, outlet.recording = 99, Slow()
-    with pytest.raises(RuntimeError):
-        outlet.close()
-    assert len(tries) == 4
 
 
 @pytest.mark.parametrize('address', ['127.0.0.1', '::1'])

@@ -24,7 +24,8 @@ WAITING = 500
 """Largest number of marks queued for the viewers: half a minute of a bearing, some 20 MB."""
 LASTING = 10_000
 """Largest number of lasting marks queued: the styles, bodies and layouts of a fleet."""
-FLUSH_TIMEOUT = 5.0
+FLUSH_TIMEOUT, FILE_TIMEOUT = 5.0, 30.0
+"""Time limits for what is left of a server, and of a file, which a loaded machine may delay, s."""
 CLOSE_TIMEOUT = 4.0
 """Time limit for closing, s; ROS 2 kills a node that takes more than 5 s."""
 
@@ -45,7 +46,7 @@ class Outlet:
     """One sink of Rerun."""
 
     def __init__(self, recording_id: str, sink: Any, *, place: str | Path) -> None:
-        self._place = place
+        self._patience = FILE_TIMEOUT if isinstance(place, Path) else FLUSH_TIMEOUT
         self.recording = rr.RecordingStream(APPLICATION, recording_id=recording_id)
         try:
             self.recording.set_sinks(sink)
@@ -68,26 +69,11 @@ class Outlet:
 
         """
         try:
-            self._finish()
+            self.recording.flush(timeout_sec=self._patience)
         finally:
             self.recording.disconnect()
             # Objects that drew into it may survive in a reference cycle.
             del self.recording
-
-    def _finish(self) -> None:
-        written = self._written()
-        while True:
-            try:
-                self.recording.flush(timeout_sec=FLUSH_TIMEOUT)
-                break
-            except RuntimeError:
-                # A file takes longer on a loaded machine: it has failed if it does not grow.
-                before, written = written, self._written()
-                if written <= before:
-                    raise
-
-    def _written(self) -> int:
-        return self._place.stat().st_size if isinstance(self._place, Path) else 0
 
 
 class ServedOutlet:
