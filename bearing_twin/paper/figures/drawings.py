@@ -9,7 +9,7 @@ import functools
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from bearing_twin.paper.figures import force, grid, material, spectrum, time
+from bearing_twin.paper.figures import force, material, spectrum, time
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -41,7 +41,6 @@ def _registry() -> dict[str, Drawing]:
             'Envelope spectrum at 100 degC',
             functools.partial(spectrum.spectrum, number=32, temperature=100.0),
         ),
-        'map': Drawing('Where the stated trends hold (not in the paper)', grid.grid_map),
     }
     kinds = (
         ('F_x, stiffness alone', force.single_stiffness),
