@@ -23,10 +23,7 @@ EXECUTABLE = """#!/bin/sh
 prefix=$(dirname "$(readlink -f "$0")")/../..
 python=$prefix/bin/python3
 [ -x "$python" ] || python=python3
-# While the interpreter itself starts, an interrupt waits until the program can answer it.
-hold='env --block-signal=INT'
-$hold true 2>/dev/null || hold=
-exec $hold "$python" -m bearing_twin{words} "$@"
+exec "$python" -m bearing_twin{words} "$@"
 """
 
 

@@ -30,7 +30,7 @@ from bearing_twin.errors import BearingTwinError, REFUSED, shown, UsageError
 from bearing_twin.memory import begin_collection, keep_freed_memory
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
 __all__ = ['COMMANDS', 'main']
 
@@ -63,7 +63,7 @@ SLOW = 5.0
 """Time after which a command reports that it compiles, s."""
 
 
-def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int) -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """
     Run ``bearing-twin``; return the exit status.
 
@@ -74,8 +74,6 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
     ----------
     argv
         Arguments after ``bearing-twin``; None: those of this process.
-    begin
-        Called when everything is loaded, before a sub-command other than ``run`` begins its work.
 
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
@@ -111,8 +109,6 @@ def main(argv: Sequence[str] | None = None, *, begin: Callable[[], object] = int
         # garbage take half of the time.
         gc.set_threshold(20_000, 20, 20)
         begin_collection()
-        # From here on an interrupt may lose work; nodes handle interrupts themselves.
-        begin()
     return _status(args)
 
 

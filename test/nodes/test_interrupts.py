@@ -15,33 +15,16 @@ import pty
 import select
 import signal
 import sys
-import threading
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.cli import main
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.processes.launching import NodeProcesses
 from commands import python
 import pytest
 
 if TYPE_CHECKING:
-    import subprocess
-
     from probe import Probe
-
-HOOK = """
-import os, signal, sys
-
-class Interrupt:
-    def find_spec(self, name, path=None, target=None):
-        if name == os.environ['INTERRUPT_AT']:
-            os.kill(os.getpid(), signal.SIGINT)
-
-signal.signal(signal.SIGINT, getattr(signal, os.environ['HANDLER']))
-sys.meta_path.insert(0, Interrupt())
-"""
-"""Presses Ctrl-C where a module is about to be loaded."""
 
 SCHEDULE = Path(__file__).parents[2] / 'recordings' / 'paper_schedule.mcap'
 
@@ -125,57 +108,6 @@ def test_a_closed_terminal_leaves_no_torn_recording(ros_domain: int, tmp_path: P
         os.close(process)
     assert os.waitstatus_to_exitcode(status) == 0
     assert recording_info(bag).finished
-
-
-def interrupted(
-    words: list[str], module: str, handler: str, folder: Path
-) -> subprocess.CompletedProcess[str]:
-    """Run Python with an interrupt where ``module`` is about to be loaded."""
-    (folder / 'sitecustomize.py').write_text(HOOK)
-    given = {'PYTHONPATH': str(folder), 'INTERRUPT_AT': module, 'HANDLER': handler}
-    return python(*words, env={**os.environ, **given}, cwd=Path(__file__).parents[2])
-
-
-@pytest.mark.parametrize(
-    ('words', 'module', 'status'),
-    [
-        (['-m', 'bearing_twin', 'run', 'twin'], 'argparse', 0),
-        (['-m', 'bearing_twin', 'run', 'twin'], 'bearing_twin.nodes', 0),
-        (['-m', 'bearing_twin', 'run', 'twin'], 'numpy', 0),
-        (['-m', 'bearing_twin', 'run', 'recorder'], 'rclpy', 0),
-        (['-c', 'from bearing_twin.start import twin; twin()'], 'rclpy', 0),
-        (['-m', 'bearing_twin', 'info', 'x.mcap'], 'argparse', 130),
-        (['-m', 'bearing_twin', 'info', 'x.mcap'], 'mcap', 130),
-    ],
-)
-def test_an_interrupt_while_libraries_load_prints_nothing(
-    words: list[str], module: str, status: int, tmp_path: Path
-) -> None:
-    ran = interrupted(words, module, 'default_int_handler', tmp_path)
-    assert (ran.returncode, ran.stdout, ran.stderr) == (status, '', '')
-
-
-@pytest.mark.parametrize('module', ['argparse', 'bearing_twin.bearing.catalogue'])
-def test_a_command_in_the_background_of_a_script_hears_no_interrupt(
-    module: str, tmp_path: Path
-) -> None:
-    ran = interrupted(['-m', 'bearing_twin', 'bearings', '6205'], module, 'SIG_IGN', tmp_path)
-    assert (ran.returncode, ran.stderr) == (0, '')
-    assert '6205' in ran.stdout
-
-
-def test_the_command_leaves_signals_to_its_caller() -> None:
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        assert main(['bearings', '6205']) == 0
-        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGINT, before)
-    statuses: list[int] = []
-    thread = threading.Thread(target=lambda: statuses.append(main(['bearings', '6205'])))
-    thread.start()
-    thread.join()
-    assert statuses == [0]
 
 
 def test_missing_messages_are_a_sentence() -> None:
