@@ -499,13 +499,3 @@ def test_the_command_writes_a_picture_and_leaves_nothing_else(short, tmp_path, m
     assert matplotlib.image.imread(target).shape[:2] == (600, 900)
     assert cli.main([*arguments, '--at', '2000']) == 1
     assert list(temporary.iterdir()) == []
-
-
-def test_a_letter_that_the_viewer_lacks_is_named(short, tmp_path):
-    rrd = tmp_path / '軸.rrd'
-    assert draw_recordings([short], rrd) == {}
-    with (
-        pytest.raises(BearingTwinError, match="no letter for '軸'"),
-        HeadlessViewer([str(rrd)], size=(400, 300)) as viewer,
-    ):
-        viewer.wait()

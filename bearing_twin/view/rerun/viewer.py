@@ -254,11 +254,6 @@ class HeadlessViewer:
         if self._process.poll() is None:
             return
         text = self._errors.read_text(errors='replace')
-        if missing := re.search('No glyph for "(.+?)"', text):
-            raise BearingTwinError(
-                f'the viewer without a display ends where it has no letter for {missing[1]!r}; '
-                'rename what is shown, or use view with a window or --web, which show a box'
-            )
         # With OpenGL only, even in software, the viewer panics instead of naming the adapter.
         if 'adapter' in text or 'render context' in text:
             raise BearingTwinError(
