@@ -287,6 +287,28 @@ def test_parts_of_a_labview_measurement_are_joined_as_far_as_their_times_continu
     assert part.source.endswith('(the longest of 2 parts without a gap)')
 
 
+def test_columns_of_a_labview_measurement_have_their_own_times_and_lengths(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / 'a.lvm'
+    head = 'LabVIEW Measurement\nSeparator\tTab\nX_Columns\tMulti\n***End_of_Header***\n\n'
+    head += 'Channels\t3\nY_Unit_Label\tV\t\tg\t\tg\nDelta_X\t1.000E-3\t\t2.000E-3\t\t1.0\n'
+    head += '***End_of_Header***\nX_Value\tspeed\tX_Value\tDE\tX_Value\tnone\tComment\n'
+    rows = [f'{k / 1e3:.6f}\t{k % 3}.5\t{k / 500:.6f}\t{DE[k]:.9g}\t\t\tok' for k in range(300)]
+    rows += [f'{k / 1e3:.6f}\t{k % 3}.5' for k in range(300, 600)]
+    path.write_text(head + '\n'.join(rows))
+    signal = read_signal(path, channel='DE')
+    assert (signal.sample_rate, signal.unit) == (500.0, 'g')
+    np.testing.assert_allclose(signal.x, DE[:300], rtol=1e-8)
+    speed = read_signal(path, channel='speed')
+    assert (speed.sample_rate, speed.unit, len(speed.x)) == (1000.0, 'V', 600)
+    assert main(['diagnose', '--channels', str(path)]) == 0
+    assert 'none' not in capsys.readouterr().out
+    # Where a program writes when it comes to it, Delta_X is not the rate.
+    path.write_text(head + '\n'.join(rows[:100] + rows[103:300]))
+    assert 'have gaps, or too few digits' in refused(capsys, path, '--channel', 'DE')
+
+
 def test_a_rate_of_too_few_digits_is_asked_for(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -51,7 +52,8 @@ def read_uff(path: Path) -> dict[str, Any]:
             length = data['length']
             continue
         label = '' if data['id1'].startswith('NONE') else data['id1']
-        name = f'{label} {data["rsp_node"]}{AXES.get(data["rsp_dir"], "")}'.strip()
+        node = f' {data["rsp_node"]}{AXES.get(data["rsp_dir"], "")}' if data['rsp_node'] else ''
+        name = f'{label}{node}'.strip() or 'x'
         kind = data['func_type']
         if kind == 1 or (kind == 0 and data['abscissa_spec_data_type'] == TIME):
             names.append(name)
@@ -92,5 +94,6 @@ def _rate(data: dict[str, Any]) -> dict[str, Any]:
         return {}
     # The increment is printed with six digits.
     whole = max(round(1.0 / step), 1)
-    rate = whole if f'{1.0 / whole:.5e}' == f'{step:.5e}' else 1.0 / step
+    digit = 10.0 ** (math.floor(math.log10(step)) - 5)
+    rate = whole if abs(1.0 / whole - step) < 0.501 * digit else 1.0 / step
     return {'fs': np.array(rate / SECONDS[unit])}
