@@ -146,7 +146,10 @@ TOPICS = {
     'calibration': 'the twin fitted to the machine: quantities with intervals, and the residual',
     'spectrum': 'amplitude spectrum of the window: the largest in each step of about 1 Hz',
     'envelope_spectrum': 'squared envelope spectrum of the window with fault cursors',
-    **{f'features/{name}': f'`{name}` of the verdict, in a standard type' for name in FEATURES},
+    **dict.fromkeys(
+        (f'features/{name}' for name in FEATURES),
+        'field of the verdict of this name, in a standard type',
+    ),
     'diagnostics': 'state of the node and its inputs, 1 Hz',
     'samples': 'samples of an accelerometer, 16 MiB at most (`source` is `float32_multi_array`)',
     'imu': 'one sample a message (`source` is `imu`)',
@@ -262,17 +265,17 @@ def _once(head: Row, rows: Sequence[Row], told: set[Row]) -> list[str]:
 
 
 def _topics_once(rows: Iterable[Row], told: set[Row]) -> list[Row]:
-    """Return the rows of new topics, and one of known ones for each quality of service."""
-    new, again = [], dict[Row, list[str]]()
+    """Return rows of new topics, alike ones joined, and of known ones by quality of service."""
+    new, again = dict[Row, list[str]](), dict[Row, list[str]]()
     for row in sorted(rows, key=lambda row: (row[1], row[0])):
-        name, direction, kind, qos, _ = row
+        name, direction, kind, qos, meaning = row
         about = _of_any_node((name, kind))
         if about in told:
             again.setdefault((direction, 'as above', qos, 'as above'), []).append(name)
         else:
-            new.append(row)
+            new.setdefault((direction, kind, qos, meaning), []).append(name)
             told.add(about)
-    return [*new, *((', '.join(names), *rest) for rest, names in again.items())]
+    return [(', '.join(names), *rest) for rest, names in (*new.items(), *again.items())]
 
 
 def _table(head: Row, rows: Iterable[Row]) -> list[str]:
