@@ -431,15 +431,21 @@ class StreamingDiagnoser:
         self._judged, self._earlier = self._run, earlier
         self._trend, self._guest = trend, guest
 
-    def first_needed_sample(self, first_sample: int) -> int:
+    def first_needed_sample(self, following: int) -> int:
         """
-        Return the index of the first sample that a window from ``first_sample`` depends on.
+        Return the index of the first sample that windows depend on if ``following`` comes next.
 
-        Its first segment overlaps the previous stretch, if the run has one.
+        These are the samples of the next window and, since its first segment overlaps it, of the
+        stretch before it, if the run has one; at least those of the newest stretch, which decide
+        when updates are due.
         """
-        if not math.isfinite(self._rate):
-            return first_sample
-        return max(first_sample - self._cut.stretch, min(self._began, first_sample))
+        held = following - self._began
+        if following != self._next or not held or not math.isfinite(self._rate):
+            return following
+        cut = self._cut
+        due = self._began + (held // cut.interval + 1) * cut.interval
+        newest = self._began + (held - 1) // cut.stretch * cut.stretch
+        return max(min(due - cut.samples - cut.stretch, newest), self._began)
 
     @property
     def _cut(self) -> Cut:

@@ -36,11 +36,16 @@ class DiagnosisRun(DiagnosisCore):
         if state is not None:
             self.diagnoser.load(state)
 
-    def first_needed_sample(self, first_sample: int) -> int:
-        """Return the index of the first sample needed for a window from ``first_sample`` on."""
+    def first_needed_sample(self, sample: int, due: int) -> int:
+        """
+        Return the index of the first sample needed to go on at ``sample`` with the loaded state.
+
+        ``due`` is where the next recorded window begins. A series depends on it: its state does
+        not hold the begin of a snapshot.
+        """
         if isinstance(self.diagnoser, StreamingDiagnoser):
-            return self.diagnoser.first_needed_sample(first_sample)
-        return first_sample
+            return self.diagnoser.first_needed_sample(sample)
+        return due
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Change parameters as the running node does; a new window begins."""

@@ -83,9 +83,16 @@ def test_a_loaded_state_knows_on_which_samples_a_window_rests():
     diagnoser, again = StreamingDiagnoser(BEARING, SHORT), StreamingDiagnoser(BEARING, SHORT)
     _push(diagnoser, fault_signal(5.0), first=1000)
     again.load(diagnoser.save())
-    # On the second before it, where the run has one.
-    assert again.first_needed_sample(1000 + 3 * 25600) == 1000 + 2 * 25600
-    assert again.first_needed_sample(1000) == 1000
+    # On the second before it, where the run has one; behind a gap on none.
+    end = 1000 + 5 * 25600
+    assert again.first_needed_sample(end) == end + 25600 - round(SHORT.window * RATE) - 25600
+    assert again.first_needed_sample(end + 10) == end + 10
+    # Of windows that do not touch on the newest stretch alone, which tells when one is due.
+    seldom = StreamingDiagnoser(BEARING, replace(SHORT, update_interval=20.0))
+    seldom.load(diagnoser.save())
+    assert seldom.first_needed_sample(end) == end - 25600
+    diagnoser.load(StreamingDiagnoser(BEARING, SHORT).save())
+    assert diagnoser.first_needed_sample(0) == 0
 
 
 def test_full_window_equals_the_record():

@@ -420,6 +420,24 @@ def test_a_recording_begun_within_a_run(schedule: Path, tmp_path: Path) -> None:
     assert (diagnosis.identical, diagnosis.skipped) == (1, 8)
 
 
+def test_windows_that_do_not_touch_are_made_again_from_a_checkpoint_between_them(
+    tmp_path: Path,
+) -> None:
+    seldom = {'shaft_hz': 25.3, 'window': 2.0, 'memory': 2.0, 'update_interval': 7.0}
+    simulator = Simulator(preset('incipient', defect='inner'))
+    run = DiagnosisRun(read_values(SPECS, seldom))
+    record(tmp_path / 'run', run, simulator, dict.fromkeys(range(1250), math.nan))
+
+    def late(message: Any, cdr: bytes) -> bytes | None:
+        return cdr if message.log_time > 22e9 else None
+
+    diagnosis = reproduce(rewritten(tmp_path / 'run', tmp_path / 'late', late)).topics[
+        '/diagnosis'
+    ]
+    # Verdicts at 28, 35, 42 and 49 s, checkpoints at 30 and 40 s.
+    assert diagnosis == Agreement(identical=3, skipped=1)
+
+
 def test_nothing_to_verify_and_nothing_to_run(schedule: Path, run: Path, tmp_path: Path) -> None:
     with pytest.raises(BearingTwinError, match='no checkpoint'):
         reproduce(schedule)
