@@ -19,6 +19,7 @@ from bearing_twin.assets.parameters.diagnosis import (
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import RateMeter
+from bearing_twin.streams.vibration_input import RepeatCheck, REPEATED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -85,6 +86,7 @@ class DiagnosisCore:
         self.rate_problem = ''
         """How declared sample rate and stamps contradict each other; '' if they do not."""
         self._rate_meter = RateMeter()
+        self._repeat = RepeatCheck()
 
     @property
     def bearing(self) -> Bearing:
@@ -112,14 +114,17 @@ class DiagnosisCore:
 
     def admit(self, block: VibrationBlock) -> None:
         """
-        Check the sample rate of a block against its stamp; call this before :meth:`take`.
+        Check a block against its stamp and the block before; call this before :meth:`take`.
 
         Raises
         ------
         BearingTwinError
-            If the declared sample rate is so wrong that no verdict can be trusted.
+            If the block has the samples of the block before, or if the declared sample rate is so
+            wrong that no verdict can be trusted.
 
         """
+        if self._repeat.repeats(block.samples):
+            raise BearingTwinError(REPEATED)
         self._rate_meter.take(block.first_sample, block.stamp)
         problem = self._rate_meter.problem(block.sample_rate)
         self.rate_problem = problem.text if problem else ''

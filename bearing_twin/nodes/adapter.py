@@ -24,7 +24,13 @@ from bearing_twin.streams.sampling import (
     split_channels,
     StampTracker,
 )
-from bearing_twin.streams.vibration_input import SEVERAL_SOURCES, SILENT_AFTER, SourceLock
+from bearing_twin.streams.vibration_input import (
+    Intake,
+    RepeatCheck,
+    REPEATED,
+    SEVERAL_SOURCES,
+    SILENT_AFTER,
+)
 from bearing_twin_msgs.msg import Vibration
 import numpy as np
 from sensor_msgs.msg import Imu
@@ -111,7 +117,7 @@ class AdapterNode(ManagedNode):
     def setup(self) -> None:
         """Create the publisher and the status."""
         p = self.parameters
-        self._sources = SourceLock()
+        self._intake, self._repeat = Intake(), RepeatCheck()
         self._sequence = SequenceTracker()
         self._stamps = StampTracker(p['sample_rate'])
         self._builder = BlockBuilder(p['block_size'])
@@ -123,10 +129,8 @@ class AdapterNode(ManagedNode):
         self._lost = 0
         self._restarts = 0
         self._untimed = 0
-        self._problem = ''
-        self._refused = 0
         self._unusable = 0
-        self._arrived = self._crowded = self._spoilt = math.nan
+        self._crowded = self._spoilt = math.nan
         self._until = 0
         self._vibration = advertise(self, Vibration, 'vibration', STREAM)
         self.health = Health(self, p['hardware_id'] or self.get_namespace())
@@ -143,8 +147,7 @@ class AdapterNode(ManagedNode):
         self.get_logger().info(f'listening to {self._input.topic_name}')
 
     def _on_array(self, message: Float32MultiArray, info: MessageInfo) -> None:
-        self._arrived = time.monotonic()
-        if not self._sources.accept(info.get('publisher_gid'), self._arrived):
+        if not self._accept(info):
             return
         p = self.parameters
         rate = p['sample_rate']
@@ -158,16 +161,23 @@ class AdapterNode(ManagedNode):
         except BearingTwinError as error:
             self._refuse(str(error))
             return
-        self._problem = ''
         count = samples.shape[1]
         published = self._published(info)
         if not published:
             self._untimed += count
             return
+        elapsed, length = (published - self._until) / NANO, count / rate
+        again = self._repeat.repeats(samples)
+        if again:
+            self._refuse(REPEATED)
+            if elapsed > length / 2:
+                # The driver hangs: the samples are missing in the index of the next block.
+                return
         missing = self._sequence.missing(
             info.get('publisher_gid'), info['publication_sequence_number']
         )
-        elapsed, length = (published - self._until) / NANO, count / rate
+        if again:
+            return
         if missing:
             self._gap(missing * count)
         elif self._until and elapsed > length + SILENT_AFTER:
@@ -183,14 +193,12 @@ class AdapterNode(ManagedNode):
         self._publish(self._builder.push(samples, stamp=stamp, rate=rate), rate)
 
     def _on_imu(self, message: Imu, info: MessageInfo) -> None:
-        self._arrived = time.monotonic()
-        if not self._sources.accept(info.get('publisher_gid'), self._arrived):
+        if not self._accept(info):
             return
         if message.linear_acceleration_covariance[0] == -1.0:
             # sensor_msgs/Imu: 'if your sensor doesn't produce an estimate for one of the data'.
             self._refuse('the Imu says that it measures no acceleration (covariance -1)')
             return
-        self._problem = ''
         self._frame = self.parameters['frame_id'] or message.header.frame_id or self._topic
         stamp = stamp_ns(message.header.stamp) or self._published(info)
         if not stamp:
@@ -210,10 +218,15 @@ class AdapterNode(ManagedNode):
         if missing:
             self._gap(missing)
         if self._stamps.crowded:
-            self._crowded = self._arrived
+            self._crowded = self._intake.arrived
         acceleration = message.linear_acceleration
         sample = np.array([[acceleration.x], [acceleration.y], [acceleration.z]], dtype=np.float32)
         self._publish(self._builder.push(sample, stamp=stamp, rate=rate), rate)
+
+    def _accept(self, info: MessageInfo) -> bool:
+        """Return whether a message of this publisher is to be used."""
+        self._intake.arrived = time.monotonic()
+        return self._intake.sources.accept(info.get('publisher_gid'), self._intake.arrived)
 
     def _published(self, info: MessageInfo) -> int:
         """Return the time of publishing of a message without a stamp, ns; 0 if unknown."""
@@ -256,7 +269,7 @@ class AdapterNode(ManagedNode):
             chosen = values[[c for c in channels if c >= 0]]
             if unusable := int((~np.isfinite(chosen)).any(axis=0).sum()):
                 self._unusable += unusable
-                self._spoilt = self._arrived
+                self._spoilt = self._intake.arrived
             x, y = (values[c] if c >= 0 else values[0, :0] for c in channels)
             self._vibration.publish(
                 Vibration(
@@ -272,9 +285,8 @@ class AdapterNode(ManagedNode):
             )
 
     def _refuse(self, problem: str) -> None:
-        self._problem = problem
-        self._refused += 1
-        self._arrived = time.monotonic()
+        self._intake.arrived = time.monotonic()
+        self._intake.refuse(problem)
         self.get_logger().warning(f'message refused: {problem}', throttle_duration_sec=10.0)
 
     def _input_status(self) -> Status:
@@ -283,7 +295,7 @@ class AdapterNode(ManagedNode):
             level,
             message,
             {
-                'age_s': time.monotonic() - self._arrived,
+                'age_s': time.monotonic() - self._intake.arrived,
                 'sample_rate_hz': self._stamps.rate,
                 'sample_rate_measured_hz': self._meter.rate,
                 'samples_published': self._sent,
@@ -291,15 +303,15 @@ class AdapterNode(ManagedNode):
                 'samples_not_finite': self._unusable,
                 'samples_before_clock': self._untimed,
                 'source_restarts': self._restarts,
-                'messages_refused': self._refused,
-                'messages_of_other_sources': self._sources.ignored,
+                'messages_refused': self._intake.refused,
+                'messages_of_other_sources': self._intake.sources.ignored,
             },
         )
 
     def _input_level(self) -> tuple[Level, str]:
         """Return level and message of the input: those of the first problem, if any."""
-        now, rate = time.monotonic(), self._stamps.rate
-        age = now - self._arrived
+        now, rate, intake = time.monotonic(), self._stamps.rate, self._intake
+        age = now - intake.arrived
         if math.isnan(age):
             text = 'no samples yet'
             if self.active:
@@ -307,9 +319,9 @@ class AdapterNode(ManagedNode):
             return Level.STALE, text
         if age > SILENT_AFTER:
             return Level.STALE, f'no samples for {age:.1f} s'
-        if self._problem:
-            return Level.ERROR, f'message refused: {self._problem}'
-        if self._sources.contested(now):
+        if trouble := intake.trouble(now):
+            return Level.ERROR, f'message refused: {trouble}'
+        if intake.sources.contested(now):
             return Level.ERROR, SEVERAL_SOURCES
         if self._untimed and not self._builder.next_sample:
             return (
@@ -325,12 +337,12 @@ class AdapterNode(ManagedNode):
                     'lost'
                 )
             return Level.ERROR if wrong.refused else Level.WARN, wrong.text
-        if self._arrived - self._spoilt < SHOWN:
+        if intake.arrived - self._spoilt < SHOWN:
             return Level.WARN, (
                 f'{self._unusable} samples are NaN or infinite, which gives no verdict: check '
                 'sensor and driver'
             )
-        if self._arrived - self._crowded < SHOWN:
+        if intake.arrived - self._crowded < SHOWN:
             return Level.WARN, (
                 'stamps are late and then too near to each other, so that samples count as lost: '
                 'stamp them where the sensor is read, or send blocks (source float32_multi_array)'

@@ -21,10 +21,12 @@ from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import (
     Inputs,
+    Intake,
     read_vibration,
+    RepeatCheck,
+    REPEATED,
     SEVERAL_SOURCES,
     SILENT_AFTER,
-    SourceLock,
 )
 from bearing_twin.streams.worker import Worker
 from bearing_twin.thermal.gate import TemperatureStatus
@@ -68,10 +70,9 @@ class CalibrationNode(ManagedNode):
         self._core = CalibrationCore(p.values)
         nominal = p['shaft_hz'] or math.nan
         self._inputs = Inputs(receiver_clock(self), nominal=nominal, joint=p['joint'])
-        self._sources = SourceLock()
-        self._arrived = math.nan
-        # Why the newest block was refused, why the newest fit failed, and the newest result.
-        self._refused, self._problem, self._latest = '', '', None
+        self._intake, self._repeat = Intake(), RepeatCheck()
+        # Why the newest fit failed, and the newest result.
+        self._problem, self._latest = '', None
         self._running: tuple[Task, Future[Fit]] | None = None
         self._began = 0.0
         self._state = self.states.kept(p.values, self.get_fully_qualified_name())
@@ -126,14 +127,16 @@ class CalibrationNode(ManagedNode):
 
     def _on_vibration(self, message: Vibration, info: MessageInfo) -> None:
         now = time.monotonic()
-        if not self._sources.accept(info.get('publisher_gid'), now):
+        if not self._intake.sources.accept(info.get('publisher_gid'), now):
             return
+        self._intake.arrived = now
         try:
             block = read_vibration(message, self.parameters['axis'])
+            if self._repeat.repeats(block.samples):
+                raise BearingTwinError(REPEATED)
         except BearingTwinError as error:
-            self._refused = str(error)
+            self._intake.refuse(str(error))
             return
-        self._arrived, self._refused = now, ''
         task = self._core.take(
             block,
             temperature=self._temperature(),
@@ -207,13 +210,14 @@ class CalibrationNode(ManagedNode):
                 'level_over_machine_db': found.level,
                 'cost_s': found.cost,
             }
-        age = time.monotonic() - self._arrived
+        now, intake = time.monotonic(), self._intake
+        age = now - intake.arrived
         if not age <= SILENT_AFTER:
             text = 'no vibration yet' if math.isnan(age) else f'no vibration for {age:.1f} s'
             return Status(Level.STALE, text, values)
-        if problem := self._refused or self._problem or self._core.waiting:
+        if problem := intake.trouble(now) or self._problem or self._core.waiting:
             return Status(Level.WARN, f'not fitted: {problem}', values)
-        if self._sources.contested(time.monotonic()):
+        if intake.sources.contested(now):
             return Status(Level.ERROR, SEVERAL_SOURCES, values)
         if problem := next(filter(None, self._inputs.problems()), ''):
             return Status(Level.WARN, problem, values)
@@ -221,7 +225,7 @@ class CalibrationNode(ManagedNode):
             return Status(Level.WARN, f'the healthy twin is not kept: {problem}', values)
         if found is None:
             return Status(Level.STALE, f'no calibration yet: {self._pending()}', values)
-        if stale := self._core.stale_reason(time.monotonic()):
+        if stale := self._core.stale_reason(now):
             return Status(Level.STALE, f'stale, {found.statement}: {stale}', values, kind='stale')
         return Status(Level.OK, found.statement, values, kind='calibration')
 

@@ -154,7 +154,7 @@ class DiagnosisTopics:
         except BearingTwinError as error:
             self._refuse(error)
             return False
-        intake.blocks, intake.used, intake.problem = intake.blocks + 1, intake.arrived, ''
+        intake.blocks, intake.used = intake.blocks + 1, intake.arrived
         if intake.gaps.count(block.first_sample, block.samples.size):
             self._core.checkpoints.ask()
         if self._core.checkpoints.is_due(block.first_sample):
@@ -172,8 +172,7 @@ class DiagnosisTopics:
         return bool(due)
 
     def _refuse(self, error: BearingTwinError) -> None:
-        self._intake.refused += 1
-        self._intake.problem = str(error)
+        self._intake.refuse(str(error))
         self._node.get_logger().warning(f'block refused: {error}', throttle_duration_sec=10.0)
 
     def judge(self) -> None:
@@ -245,8 +244,8 @@ def input_status(intake: Intake, now: float, *problems: str) -> Status:
         level, message = Level.STALE, 'no vibration yet'
     elif age > SILENT_AFTER:
         level, message = Level.STALE, f'no vibration for {age:.1f} s'
-    elif intake.problem:
-        level, message = Level.ERROR, f'block refused: {intake.problem}'
+    elif trouble := intake.trouble(now):
+        level, message = Level.ERROR, f'block refused: {trouble}'
     elif intake.sources.contested(now):
         level, message = Level.ERROR, SEVERAL_SOURCES
     elif any(problems):

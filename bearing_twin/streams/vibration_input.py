@@ -29,6 +29,13 @@ LONGEST_BLOCK = 1_000_000
 HIGHEST_INDEX = 2**62
 SILENT_AFTER = 2.0
 """Time without a block after which a source counts as silent, s."""
+FEWEST_COMPARED = 64
+"""Fewest samples of a block that is compared with the one before: few may be equal by chance."""
+REPEATED = (
+    'its samples are those of the block before: the driver sends each block twice, or hangs; '
+    'correct or restart it'
+)
+"""Why a block is refused that a :class:`RepeatCheck` recognises."""
 SEVERAL_SOURCES = 'several sources on one topic: only the first is used'
 """Status while a :class:`SourceLock` is contested."""
 SOURCE_UNKNOWN, SOURCE_MEASURED, SOURCE_SIMULATED = range(3)
@@ -252,6 +259,36 @@ class Inputs:
         self.gate.timeout = self._sources.timeout = self._sources.remember = timeout
 
 
+class RepeatCheck:
+    """
+    Recognise a block whose samples are those of the block before, which no live sensor gives.
+
+    A driver that sends each block twice, or that has stopped and sends its last buffer again,
+    does. Constant samples do not count: those of a sensor that is not connected are alike.
+
+    Examples
+    --------
+    >>> check = RepeatCheck()
+    >>> noise = np.random.default_rng(0).normal(size=128)
+    >>> [check.repeats(block) for block in (noise, noise[::-1], noise[::-1])]
+    [False, False, True]
+
+    """
+
+    def __init__(self) -> None:
+        self._former: NDArray[np.float32] | None = None
+
+    def repeats(self, samples: NDArray[np.float32]) -> bool:
+        """Whether ``samples``, shape (n,) or (channels, n), are those of the last call."""
+        former, self._former = self._former, samples
+        return (
+            former is not None
+            and samples.shape[-1] >= FEWEST_COMPARED
+            and np.array_equal(samples, former)
+            and bool((samples != samples[..., :1]).any())
+        )
+
+
 @dataclass
 class Intake:
     """Counts and times of the blocks of one topic; times in s."""
@@ -260,10 +297,25 @@ class Intake:
     """Blocks used."""
     refused: int = 0
     problem: str = ''
-    """Reason why the last block was refused; '' if it was used."""
+    """Reason why the last refused block was refused."""
+    refused_at: float = -math.inf
+    """Arrival of that block."""
     arrived: float = math.nan
     """Arrival of the last block, used or refused."""
     used: float = math.nan
     """Arrival of the last block that was used."""
     sources: SourceLock = field(default_factory=SourceLock)
     gaps: GapCounter = field(default_factory=GapCounter)
+
+    def refuse(self, problem: str) -> None:
+        """Count the block that has arrived now as refused."""
+        self.refused += 1
+        self.problem, self.refused_at = problem, self.arrived
+
+    def trouble(self, now: float) -> str:
+        """
+        Return why a block was refused lately, '' if none was.
+
+        It stands for ``SILENT_AFTER``, so that a status does not change with each second block.
+        """
+        return self.problem if now - self.refused_at <= SILENT_AFTER else ''

@@ -190,7 +190,7 @@ def test_an_estimated_rate_follows_its_source(here):
             node._on_imu(message, {'publisher_gid': source})
         assert node._stamps.rate == pytest.approx(rate, rel=1e-3)
     # Another one takes over behind a silence of the first.
-    node._sources.timeout = -1.0
+    node._intake.sources.timeout = -1.0
     for _ in range(400):
         now += NANO // 50
         message.header.stamp = time_message(now)
@@ -245,6 +245,32 @@ def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(here):
     now, number = now + 5 * NANO, number + 49
     send(100)
     assert (node._restarts, node._lost) == (1, 4900)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('hangs', [False, True])
+def test_messages_that_repeat_the_one_before_are_refused(hangs, here):
+    node = here(AdapterNode, sample_rate=1000.0, block_size=100)
+    node.trigger_configure()
+    noise = np.random.default_rng(0).standard_normal((40, 100)).astype(np.float32)
+    # The driver sends each of its messages twice, or one of them for eleven periods.
+    kept = [0, *(max(5, k - 10) for k in range(1, 40))] if hangs else range(40)
+    numbers = iter(range(1, 100))
+    for k, which in enumerate(kept):
+        for _ in range(1 if hangs else 2):
+            info = {
+                'source_timestamp': EPOCH + k * NANO // 10,
+                'publication_sequence_number': next(numbers),
+            }
+            message = Float32MultiArray(data=noise[which])
+            node._on_array(message, {'publisher_gid': 'a', **info})
+    status = node._input_status()
+    assert status.level is Level.ERROR
+    assert 'the driver sends each block twice, or hangs' in status.message
+    assert status.values['messages_refused'] == (14 if hangs else 40)
+    assert status.values['samples_lost'] == (1400 if hangs else 0)
+    assert status.values['samples_published'] == (2600 if hangs else 4000)
+    assert status.values['sample_rate_measured_hz'] == pytest.approx(1000.0)
 
 
 @pytest.mark.ros

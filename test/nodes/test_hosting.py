@@ -98,7 +98,7 @@ def test_samples_that_are_no_numbers_or_contradict_their_layout_are_told(nodes, 
     def feed(size=100, value=0.0):
         def send():
             while start + len(sent) * 0.1 < time.monotonic():
-                sent.append(np.array([value, *range(99)], np.float32))
+                sent.append(np.array([value, len(sent), *range(98)], np.float32))
                 message = Float32MultiArray(data=floats(sent[-1]))
                 message.layout.dim = [MultiArrayDimension(size=size)]
                 probe.publish('samples', message, depth=1000)

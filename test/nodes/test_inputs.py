@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The doors of the nodes: shaft speed, vibration blocks."""
 
+from dataclasses import replace
 from itertools import islice, product
 import math
 from pathlib import Path
@@ -159,7 +160,8 @@ def test_a_source_of_a_new_run_of_simulated_time_is_heard_at_once():
 def test_the_reason_of_a_refusal_is_not_hidden(age, problem, contested, level, text):
     from bearing_twin.nodes.diagnosis_topics import input_status
 
-    intake = Intake(0 if math.isnan(age) else 5, 1, problem, 10.0 - age)
+    came = 10.0 - age
+    intake = Intake(0 if math.isnan(age) else 5, 1, problem, came, came)
     for source in 'ab' if contested else 'a':
         intake.sources.accept(source, 9.0)
     status = input_status(intake, 10.0)
@@ -177,6 +179,30 @@ def dated(seconds, rate, **fields):
         block = signal[first : first + 1000]
         sent = message(first_sample=first, x=[], y=block, header=header, **fields)
         yield read_vibration(sent, 'y')
+
+
+@pytest.mark.ros
+def test_a_block_that_repeats_the_one_before_gives_no_verdict():
+    from bearing_twin.assets.parameters.diagnosis import SPECS
+    from bearing_twin.offline.diagnosis_run import DiagnosisRun
+
+    values = {spec.name: spec.default for spec in SPECS} | {'shaft_hz': 25.4}
+    once, twice = DiagnosisRun(values), DiagnosisRun(values)
+    hung = 0
+    for block in dated(12.0, 25600.0):
+        dues = once.take(block, temperature=math.nan)
+        assert len(twice.take(block, temperature=math.nan)) == len(dues)
+        # The same block again, and its samples as those of the time behind it.
+        for again in (block, replace(block, first_sample=block.first_sample + 1000)):
+            with pytest.raises(BearingTwinError, match='sends each block twice, or hangs'):
+                twice.take(again, temperature=math.nan)
+            hung += 1
+    assert hung > 500
+    assert twice.diagnoser.save() == once.diagnoser.save()
+    # What is too short, or constant, may be equal by chance.
+    for samples in (block.samples[:20], np.zeros(1000, np.float32)):
+        for _ in range(3):
+            once.admit(replace(block, samples=samples))
 
 
 @pytest.mark.ros
