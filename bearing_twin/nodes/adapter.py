@@ -187,6 +187,7 @@ class AdapterNode(ManagedNode):
                 # Shorter pauses count in the measured rate: long messages with a wrong
                 # sample_rate cause them.
                 self._meter = RateMeter()
+        self._intake.use(length)
         self._until = published
         self._measure(count * (1 + max(0, missing)), published)
         stamp = published - samples_ns(count, rate)
@@ -317,7 +318,7 @@ class AdapterNode(ManagedNode):
             if self.active:
                 text = with_mismatch_reasons(self, self._input, text)
             return Level.STALE, text
-        if age > SILENT_AFTER:
+        if age > intake.silent_after:
             return Level.STALE, f'no samples for {age:.1f} s'
         if trouble := intake.trouble(now):
             return Level.ERROR, f'message refused: {trouble}'

@@ -26,7 +26,6 @@ from bearing_twin.streams.vibration_input import (
     RepeatCheck,
     REPEATED,
     SEVERAL_SOURCES,
-    SILENT_AFTER,
 )
 from bearing_twin.streams.worker import Worker
 from bearing_twin.thermal.gate import TemperatureStatus
@@ -137,6 +136,7 @@ class CalibrationNode(ManagedNode):
         except BearingTwinError as error:
             self._intake.refuse(str(error))
             return
+        self._intake.use(block.length)
         task = self._core.take(
             block,
             temperature=self._temperature(),
@@ -212,7 +212,7 @@ class CalibrationNode(ManagedNode):
             }
         now, intake = time.monotonic(), self._intake
         age = now - intake.arrived
-        if not age <= SILENT_AFTER:
+        if not age <= intake.silent_after:
             text = 'no vibration yet' if math.isnan(age) else f'no vibration for {age:.1f} s'
             return Status(Level.STALE, text, values)
         if problem := intake.trouble(now) or self._problem or self._core.waiting:

@@ -64,7 +64,8 @@ class DiagnosisTopics:
         self._core = DiagnosisCore(p.values, self._path)
         self._due: deque[DueVerdict] = deque()
         self._measured = Inputs(receiver_clock(node), joint=p['joint'])
-        self._intake = Intake()
+        # One snapshot of a series may be left out.
+        self._intake = Intake(pause=2.0 * p['series_cycle'])
         self._latest: DiagnosisResult | None = None
         self._verdict = advertise(node, Diagnosis, f'{prefix}diagnosis', RESULT)
         self._spectrum = advertise(node, Spectrum, f'{prefix}spectrum', RESULT)
@@ -154,7 +155,7 @@ class DiagnosisTopics:
         except BearingTwinError as error:
             self._refuse(error)
             return False
-        intake.blocks, intake.used = intake.blocks + 1, intake.arrived
+        intake.use(block.length)
         if intake.gaps.count(block.first_sample, block.samples.size):
             self._core.checkpoints.ask()
         if self._core.checkpoints.is_due(block.first_sample):
@@ -234,7 +235,8 @@ class DiagnosisTopics:
     def verdict_status(self) -> Status:
         """Return the status of the bearing for /diagnostics."""
         age, overdue = time.monotonic() - self._intake.used, self._core.diagnoser.overdue
-        return verdict_status(self._latest, self.bearing, age, overdue)
+        silent_after = self._intake.silent_after
+        return verdict_status(self._latest, self.bearing, age, overdue, silent_after)
 
 
 def input_status(intake: Intake, now: float, *problems: str) -> Status:
@@ -242,7 +244,7 @@ def input_status(intake: Intake, now: float, *problems: str) -> Status:
     age = now - intake.arrived
     if not intake.blocks and not intake.problem:
         level, message = Level.STALE, 'no vibration yet'
-    elif age > SILENT_AFTER:
+    elif age > intake.silent_after:
         level, message = Level.STALE, f'no vibration for {age:.1f} s'
     elif trouble := intake.trouble(now):
         level, message = Level.ERROR, f'block refused: {trouble}'
@@ -267,13 +269,18 @@ def input_status(intake: Intake, now: float, *problems: str) -> Status:
 
 
 def verdict_status(
-    result: DiagnosisResult | None, bearing: str, age: float, overdue: str = ''
+    result: DiagnosisResult | None,
+    bearing: str,
+    age: float,
+    overdue: str = '',
+    silent_after: float = SILENT_AFTER,
 ) -> Status:
     """
     Return the status of the bearing.
 
-    Without vibration a verdict becomes stale: ``age`` is the time since the last used block, s.
-    ``overdue`` is the reason why vibration gives no verdict; '' if it gives one.
+    Without vibration a verdict becomes stale: ``age`` is the time since the last used block, s,
+    ``silent_after`` the longest at which the source is not silent. ``overdue`` is the reason why
+    vibration gives no verdict; '' if it gives one.
     """
     if result is None:
         known, kind = {'bearing': f'bearing {bearing}'}, 'overdue' if overdue else ''
@@ -303,7 +310,7 @@ def verdict_status(
         'temperature_degc': result.temperature,
         'reasons': '; '.join(result.reasons),
     }
-    if age > SILENT_AFTER:
+    if age > silent_after:
         text = f'no vibration used for {age:.1f} s; the last verdict was {result.result}'
         return Status(Level.STALE, text, values)
     if overdue:

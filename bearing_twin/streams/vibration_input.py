@@ -28,7 +28,9 @@ HIGHEST_RATE = 1_000_000.0
 LONGEST_BLOCK = 1_000_000
 HIGHEST_INDEX = 2**62
 SILENT_AFTER = 2.0
-"""Time without a block after which a source counts as silent, s."""
+"""Time without a block after which a source of short blocks counts as silent, s."""
+REMEMBERED = 5.0
+"""Time for which an ignored source of short blocks counts as present, s."""
 FEWEST_COMPARED = 64
 """Fewest samples of a block that is compared with the one before: few may be equal by chance."""
 REPEATED = (
@@ -143,7 +145,7 @@ class SourceLock:
 
     """
 
-    def __init__(self, timeout: float = SILENT_AFTER, remember: float = 5.0) -> None:
+    def __init__(self, timeout: float = SILENT_AFTER, remember: float = REMEMBERED) -> None:
         self.timeout = timeout
         self.remember = remember
         self.ignored = 0
@@ -304,8 +306,23 @@ class Intake:
     """Arrival of the last block, used or refused."""
     used: float = math.nan
     """Arrival of the last block that was used."""
+    pause: float = 0.0
+    """Longest time from one block to the next that is meant, as between snapshots."""
+    length: float = 0.0
+    """Duration of the last block that was used: the next one comes so much later."""
     sources: SourceLock = field(default_factory=SourceLock)
     gaps: GapCounter = field(default_factory=GapCounter)
+
+    @property
+    def silent_after(self) -> float:
+        """Age of the last block above which the source counts as silent."""
+        return SILENT_AFTER + self.length + self.pause
+
+    def use(self, length: float) -> None:
+        """Count the block that has arrived now, of a duration of ``length``, as used."""
+        self.blocks += 1
+        self.used, self.length = self.arrived, length
+        self.sources.timeout, self.sources.remember = SILENT_AFTER + length, REMEMBERED + length
 
     def refuse(self, problem: str) -> None:
         """Count the block that has arrived now as refused."""
@@ -316,6 +333,7 @@ class Intake:
         """
         Return why a block was refused lately, '' if none was.
 
-        It stands for ``SILENT_AFTER``, so that a status does not change with each second block.
+        It stands for ``SILENT_AFTER`` and the length of a block, so that a status does not change
+        with each second block.
         """
-        return self.problem if now - self.refused_at <= SILENT_AFTER else ''
+        return self.problem if now - self.refused_at <= SILENT_AFTER + self.length else ''

@@ -236,6 +236,10 @@ def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(here):
         now += 5 * NANO
         send(5000)
     assert (node._restarts, node._builder.next_sample) == (0, 15000 // 64 * 64)
+    node._intake.arrived -= 6.9
+    assert node._input_status().message == 'samples are fresh'
+    node._intake.arrived -= 0.2
+    assert node._input_status().level is Level.STALE
     # The driver sends nothing for 8 s, and numbers its messages as if nothing had been.
     now += 8 * NANO + NANO // 10
     send(100)

@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip('rclpy')
 
 from bearing_twin.nodes.diagnosis import DiagnosisNode
+from bearing_twin.ros.health import Level
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import read_vibration
 from bearing_twin_msgs.msg import Vibration
@@ -62,6 +63,34 @@ def test_a_speed_that_is_not_told_any_more_names_no_place(here):
     assert verdicts[9].shaft_hz == pytest.approx(25.4, rel=2e-3)
     assert math.isnan(verdicts[-1].shaft_hz)
     assert 'no velocity for 14.0 s: the last one is too old' in topics.input_status().message
+
+
+@pytest.mark.parametrize(
+    ('seconds', 'fields', 'ages'),
+    [(1, {}, (2.0, 3.1)), (30, {}, (30.0, 32.1)), (1, {'series_cycle': 600.0}, (1202.0, 1203.1))],
+)
+def test_a_source_of_long_blocks_or_of_snapshots_is_not_silent_between_them(
+    here, seconds, fields, ages
+):
+    node = here(DiagnosisNode, shaft_hz=25.4, **fields)
+    for trigger in (node.trigger_configure, node.trigger_activate):
+        assert trigger() is TransitionCallbackReturn.SUCCESS
+    topics, stale = node._topics, []
+    noise = np.random.default_rng(0).standard_normal(seconds * RATE)
+    topics.take(block(0, noise), {'publisher_gid': 'a'})
+    # Another source is heard meanwhile, and does not take over.
+    topics.take(block(0, 2.0 * noise), {'publisher_gid': 'b'})
+    assert 'several sources' in topics.input_status().message
+    topics._intake.sources.remember = 0.0
+    arrived = topics._intake.arrived
+    for age in ages:
+        topics._intake.arrived = topics._intake.used = arrived - age
+        said = [topics.input_status(), topics.verdict_status()]
+        stale.append([each.level is Level.STALE for each in said])
+    assert stale == [[False, False], [True, True]]
+    lock = topics._intake.sources
+    assert not lock.accept('b', arrived + seconds + 1.9)
+    assert lock.accept('b', arrived + seconds + 2.1)
 
 
 def test_a_verdict_that_waits_is_published_before_the_next_one_and_before_a_change(here):
