@@ -116,10 +116,12 @@ def read_temperatures(path: Path, dates: str = '') -> Measured:
         times, temperatures = _columns(path, dates)
     if np.count_nonzero(np.isfinite(temperatures)) < 2:
         raise BearingTwinError(f'{path} has fewer than two temperatures; record for longer')
+    dated = times[0] >= _DATED
     falls = np.flatnonzero(~(np.diff(times, prepend=times[0]) >= 0.0))
     if falls.size:
-        raise BearingTwinError(f'{path}: the time of reading {falls[0] + 1} falls; sort the file')
-    dated = times[0] >= _DATED
+        zone = ', or, where summer time ends, give dates with their zone' if dated else ''
+        msg = f'{path}: the time of reading {falls[0] + 1} falls; sort the file{zone}'
+        raise BearingTwinError(msg)
     if (times[-1] if dated else START / NANO + times[-1] - times[0]) > LATEST / NANO:
         raise BearingTwinError(f'{path}: a time of {times[-1]:g} s; stamps of ROS end in 2038')
     start = round(times[0] * NANO) if dated else START

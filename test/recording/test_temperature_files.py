@@ -119,7 +119,11 @@ def test_a_reading_without_a_number_stays_and_is_none(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'said'),
     [
-        ('time,temperature\n0,20\n2,21\n1,23\n', 'the time of reading 3 falls; sort the file'),
+        ('time,temperature\n0,20\n2,21\n1,23\n', 'the time of reading 3 falls; sort the file\n'),
+        (
+            't;temp\n25.10.2026 02:58;20\n25.10.2026 02:59;21\n25.10.2026 02:00;22\n',
+            'reading 3 falls; sort the file, or, where summer time ends, give dates with their',
+        ),
         ('time,temperature\n0,20\n', 'has fewer than two temperatures; record for longer'),
         ('time,temperature\n0,20\nend\n', 'line 3 has no time: end'),
         ('time,Temp [°F]\n0,20\n1,21\n', "'Temp [°F]' is not in degC; convert it"),
