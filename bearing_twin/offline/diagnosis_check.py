@@ -101,7 +101,7 @@ class DiagnosisCheck:
         first = int(block.first_sample)
         if self._checkpoints and int(self._checkpoints[0].first_sample) == first:
             self._resume(self._checkpoints.popleft())
-        elif self._run is not None and first != self._next_sample:
+        elif self._run is not None and first != self._next_sample and not self._run.may_pause:
             self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
             self._run = None
         latest, self._latest = self._latest, block

@@ -47,6 +47,11 @@ class DiagnosisRun(DiagnosisCore):
             return self.diagnoser.first_needed_sample(sample)
         return due
 
+    @property
+    def may_pause(self) -> bool:
+        """Whether blocks may be left out now, as between two snapshots of a series."""
+        return not (isinstance(self.diagnoser, StreamingDiagnoser) or self.diagnoser.in_snapshot)
+
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Change parameters as the running node does; a new window begins."""
         self.values = dict(values)

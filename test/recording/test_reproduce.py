@@ -246,6 +246,17 @@ def test_blocks_that_a_source_left_out_make_no_sound_recording_differ(tmp_path: 
     assert diagnosis == Agreement(identical=9 + 3)
 
 
+def test_snapshots_with_pauses_between_them_are_compared(tmp_path: Path) -> None:
+    series = {'shaft_hz': 25.3, 'series_cycle': 20.0, 'series_snapshot': 1.0}
+    simulator = Simulator(preset('incipient', defect='inner'))
+    # Snapshots of a second, 20 s apart, and some blocks more; in the third one a block is missing.
+    numbers = [500 * k + n for k in range(6) for n in range(28) if (k, n) != (2, 10)]
+    run = DiagnosisRun(read_values(SPECS, series))
+    record(tmp_path / 'run', run, simulator, dict.fromkeys(numbers, math.nan))
+    diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
+    assert (diagnosis.identical, diagnosis.different, diagnosis.skipped) == (5, 0, 1)
+
+
 def test_a_missing_block_costs_the_verdicts_on_it(run: Path, tmp_path: Path) -> None:
     lost = contents(run, '/vibration')[100]
     lossy = rewritten(run, tmp_path / 'lossy', lambda _, cdr: None if cdr == lost else cdr)

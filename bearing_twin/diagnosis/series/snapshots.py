@@ -147,6 +147,11 @@ class SeriesDiagnoser:
         return f'no verdict in {elapsed:.0f} s of the series{self._short}'
 
     @property
+    def in_snapshot(self) -> bool:
+        """Whether a snapshot has begun and is not complete."""
+        return bool(self._parts)
+
+    @property
     def _held(self) -> int:
         return sum(len(part) for part, _ in self._parts)
 
