@@ -151,7 +151,7 @@ TOPICS = {
         'field of the verdict of this name, in a standard type',
     ),
     'diagnostics': 'state of the node and its inputs, 1 Hz',
-    'samples': 'samples of an accelerometer, 16 MiB at most (`source` is `float32_multi_array`)',
+    'samples': 'samples of an accelerometer, 16 MiB at most (its type: `source`)',
     'imu': 'one sample a message (`source` is `imu`)',
     '~/checkpoint': 'complete state of all twins',
     'clock': 'recorded time, if `clock_rate` is not 0',

@@ -34,7 +34,7 @@ from bearing_twin.streams.vibration_input import (
 from bearing_twin_msgs.msg import Vibration
 import numpy as np
 from sensor_msgs.msg import Imu
-from std_msgs.msg import Float32MultiArray
+from std_msgs.msg import Float32MultiArray, Float64MultiArray, Int16MultiArray, Int32MultiArray
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -46,17 +46,25 @@ if TYPE_CHECKING:
 
 SHOWN = 10.0
 """Time for which NaN samples, and stamps that were too near to each other, are reported, s."""
-ARRAY = 'float32_multi_array'
+ARRAYS = {
+    'float32_multi_array': Float32MultiArray,
+    'float64_multi_array': Float64MultiArray,
+    'int16_multi_array': Int16MultiArray,
+    'int32_multi_array': Int32MultiArray,
+}
+"""Message types with a block of samples, by source."""
 IMU = 'imu'
-TOPICS = {ARRAY: 'samples', IMU: 'imu'}
-"""Topic of the input, by kind of source."""
+REMEDIES = {
+    f'std_msgs/msg/{kind.__name__}': f'set source to {source}' for source, kind in ARRAYS.items()
+}
+"""What to do if another type is published, by type."""
 
 SPECS = (
-    fixed('source', ARRAY, 'Message type of the accelerometer; topic samples, or imu.',
-          choices=(ARRAY, IMU)),
+    fixed('source', 'float32_multi_array',
+          'Message type of the accelerometer; topic samples, or imu.', choices=(*ARRAYS, IMU)),
     fixed('sample_rate', 0.0, 'Sample rate; 0: estimated from the stamps (imu only).',
           'Hz', 0.0, 1_000_000.0),
-    fixed('channels', 1, 'Channels in one Float32MultiArray.', '', 1, 16),
+    fixed('channels', 1, 'Channels in one array.', '', 1, 16),
     fixed('interleaved', True, 'Whether the array holds a sample of every channel first, then the '
           'next.'),
     fixed('channel_x', -1, 'Channel that becomes x; of an imu 0, 1, 2 are x, y, z; -1: none.',
@@ -77,9 +85,10 @@ class AdapterNode(ManagedNode):
     """
     Convert samples from other drivers to vibration blocks for the diagnosis.
 
-    ``std_msgs/Float32MultiArray`` holds many samples and no stamp; the time of publishing is used
-    as the time of the last sample. Gaps are detected by the message numbers of the middleware, and
-    by pauses of more than 2 s; samples that the driver omits for a shorter time are not noticed.
+    ``std_msgs/Float32MultiArray``, or an array of another type of numbers, holds many samples and
+    no stamp; the time of publishing is used as the time of the last sample. Gaps are detected by
+    the message numbers of the middleware, and by pauses of more than 2 s; samples that the driver
+    omits for a shorter time are not noticed.
     Pauses longer than the messages, such as those between snapshots, are not used to measure the
     sample rate. ``sensor_msgs/Imu`` holds one sample; time and gaps come from its stamps.
     In simulated time, messages without a stamp are ignored before the first ``/clock``.
@@ -107,8 +116,8 @@ class AdapterNode(ManagedNode):
             raise BearingTwinError(
                 f'channel {max(chosen)} does not exist: {values["source"]} has {count}, from 0 on'
             )
-        if values['source'] == ARRAY and not values['sample_rate']:
-            msg = 'sample_rate=0: a Float32MultiArray does not tell its rate; set it in Hz'
+        if values['source'] != IMU and not values['sample_rate']:
+            msg = f'sample_rate=0: a {values["source"]} does not tell its rate; set it in Hz'
             raise BearingTwinError(msg)
         if values['scale'] == 0.0:
             msg = 'scale=0 would silence the sensor; give the factor from its values to unit'
@@ -124,7 +133,8 @@ class AdapterNode(ManagedNode):
         self._meter = RateMeter()
         self._heard = self._sent = 0
         self._source: object = None
-        self._topic = self.resolve_topic_name(TOPICS[p['source']]).removeprefix('/')
+        self._name = IMU if p['source'] == IMU else 'samples'
+        self._topic = self.resolve_topic_name(self._name).removeprefix('/')
         self._frame = p['frame_id'] or self._topic
         self._lost = 0
         self._restarts = 0
@@ -138,15 +148,12 @@ class AdapterNode(ManagedNode):
 
     def start(self) -> None:
         """Subscribe to the accelerometer."""
-        if self.parameters['source'] == IMU:
-            kind, take = Imu, self._on_imu
-        else:
-            kind, take = Float32MultiArray, self._on_array
-        topic = TOPICS[self.parameters['source']]
-        self._input = subscribe(self, kind, topic, take, SENSOR, refused=self._refuse)
+        kind = ARRAYS.get(self.parameters['source'], Imu)
+        take = self._on_imu if kind is Imu else self._on_array
+        self._input = subscribe(self, kind, self._name, take, SENSOR, refused=self._refuse)
         self.get_logger().info(f'listening to {self._input.topic_name}')
 
-    def _on_array(self, message: Float32MultiArray, info: MessageInfo) -> None:
+    def _on_array(self, message: Any, info: MessageInfo) -> None:
         if not self._accept(info):
             return
         p = self.parameters
@@ -316,7 +323,7 @@ class AdapterNode(ManagedNode):
         if math.isnan(age):
             text = 'no samples yet'
             if self.active:
-                text = with_mismatch_reasons(self, self._input, text)
+                text = with_mismatch_reasons(self, self._input, text, REMEDIES)
             return Level.STALE, text
         if age > intake.silent_after:
             return Level.STALE, f'no samples for {age:.1f} s'
@@ -346,7 +353,7 @@ class AdapterNode(ManagedNode):
         if intake.arrived - self._crowded < SHOWN:
             return Level.WARN, (
                 'stamps are late and then too near to each other, so that samples count as lost: '
-                'stamp them where the sensor is read, or send blocks (source float32_multi_array)'
+                'stamp them where the sensor is read, or send blocks in an array'
             )
         return Level.OK, 'samples are fresh'
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import deque
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO, samples_ns
@@ -41,7 +41,7 @@ regular stamps. For irregular ones four times their mean deviation is added, up 
 
 
 def split_channels(
-    values: NDArray[np.float32], channels: int, *, interleaved: bool
+    values: NDArray[Any], channels: int, *, interleaved: bool
 ) -> NDArray[np.float32]:
     """
     Return the samples of each channel, shape (channels, n).
@@ -55,7 +55,9 @@ def split_channels(
         If the number of values is not a multiple of the channels.
 
     """
-    flat = np.asarray(values, dtype=np.float32).ravel()
+    # What is too large for these numbers becomes infinite, and is counted as not finite.
+    with np.errstate(over='ignore'):
+        flat = np.asarray(values).astype(np.float32).ravel()
     if flat.size % channels:
         msg = f'{flat.size} values do not divide into {channels} channels; set channels'
         raise BearingTwinError(msg)

@@ -26,7 +26,13 @@ from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from builtin_interfaces.msg import Time
 import rclpy
 from sensor_msgs.msg import Imu, Temperature
-from std_msgs.msg import Float32MultiArray, MultiArrayDimension
+from std_msgs.msg import (
+    Float32MultiArray,
+    Float64MultiArray,
+    Int16MultiArray,
+    Int32MultiArray,
+    MultiArrayDimension,
+)
 from std_srvs.srv import Trigger
 import yaml
 
@@ -86,6 +92,32 @@ def test_a_foreign_accelerometer_reaches_the_diagnosis(nodes, probe):
     assert probe.status(name)[0] == b'\x02'
     assert nodes.end('adapter', by=signal.SIGTERM) == 0
     assert nodes.end('diagnosis', by=signal.SIGTERM) == 0
+
+
+@pytest.mark.parametrize('kind', [Float64MultiArray, Int16MultiArray, Int32MultiArray])
+def test_three_axes_of_numbers_of_any_type_become_vibration(kind, nodes, probe):
+    source = kind.__name__.replace('MultiArray', '_multi_array').lower()
+    nodes.start(
+        'adapter',
+        {'source': source, 'sample_rate': 51200.0, 'channels': 3, 'channel_x': 2, 'scale': 0.002}
+        | DEEP_ADAPTER,
+    )
+    blocks = probe.collect(Vibration, 'vibration')
+    probe.until_active('adapter')
+    rng, sent = np.random.default_rng(0), []
+
+    def feed():
+        counts = rng.integers(-30000, 30000, (1024, 3))
+        sent.append(counts.astype(np.float32) * np.float32(0.002))
+        probe.publish('samples', kind(data=counts.ravel().tolist()), depth=1000)
+
+    probe.until(lambda: len(blocks) > 3, 'blocks', every=feed)
+    # What was sent before the probe was found is not in the blocks.
+    place = [np.array_equal(blocks[0].x, each[:, 2]) for each in sent].index(True)
+    for block, each in zip(blocks[:3], sent[place:], strict=False):
+        np.testing.assert_array_equal(block.x, each[:, 2])
+        np.testing.assert_array_equal(block.y, each[:, 0])
+    assert nodes.end('adapter') == 0
 
 
 def test_samples_that_are_no_numbers_or_contradict_their_layout_are_told(nodes, probe):

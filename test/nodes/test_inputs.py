@@ -406,31 +406,37 @@ def test_an_array_that_is_arranged_in_another_way_is_refused(sizes, channels, in
 
 @pytest.mark.ros
 def test_why_a_publisher_is_not_heard_is_told(here):
+    from bearing_twin.nodes.adapter import AdapterNode
     from bearing_twin.nodes.diagnosis import DiagnosisNode
     from bearing_twin_msgs.msg import Vibration
     import rclpy
     from rclpy.qos import QoSProfile, ReliabilityPolicy
-    from std_msgs.msg import Float32MultiArray
+    from std_msgs.msg import Float32MultiArray, Int16MultiArray
 
-    node = here(DiagnosisNode)
-    node.trigger_configure()
-    node.trigger_activate()
-    assert node._topics.input_status().message == 'no vibration yet'
+    adapter, node = here(AdapterNode, sample_rate=1000.0), here(DiagnosisNode)
+    for each in (node, adapter):
+        each.trigger_configure()
+        each.trigger_activate()
+    vibration, samples = node._topics.input_status, adapter._input_status
+    assert (vibration().message, samples().message) == ('no vibration yet', 'no samples yet')
     other = rclpy.Context()
     other.init()
-    for kind, said in (
-        (Vibration, 'set qos_overrides./vibration.subscription.reliability to best_effort'),
-        (Float32MultiArray, 'it is published as std_msgs/msg/Float32MultiArray'),
+    best_effort = 'set qos_overrides./vibration.subscription.reliability to best_effort'
+    for kind, topic, status, said in (
+        (Vibration, 'vibration', vibration, best_effort),
+        (Float32MultiArray, 'vibration', vibration, 'published as std_msgs/msg/Float32MultiArray'),
+        (Int16MultiArray, 'samples', samples, 'set source to int16_multi_array'),
     ):
         # Within one context, the middleware refuses a second type.
         source = rclpy.create_node('source', context=other)
         qos = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-        publisher = source.create_publisher(kind, 'vibration', qos)
+        publisher = source.create_publisher(kind, topic, qos)
         end = time.monotonic() + 60.0
-        while said not in node._topics.input_status().message:
-            assert time.monotonic() < end, node._topics.input_status().message
+        while said not in status().message:
+            assert time.monotonic() < end, status().message
             time.sleep(0.05)
         source.destroy_publisher(publisher)
         source.destroy_node()
-    node.shut_down()
+    for each in (node, adapter):
+        each.shut_down()
     rclpy.shutdown(context=other)

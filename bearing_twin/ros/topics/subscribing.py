@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import time
+from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -15,7 +16,7 @@ from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from rclpy.callback_groups import CallbackGroup
     from rclpy.node import Node
@@ -98,14 +99,26 @@ def subscribe(
     )
 
 
-def with_mismatch_reasons(node: Node, subscription: Subscription[Any], text: str) -> str:
-    """Return ``text``, with the reasons why messages of existing publishers cannot arrive."""
+def with_mismatch_reasons(
+    node: Node,
+    subscription: Subscription[Any],
+    text: str,
+    remedies: Mapping[str, str] = MappingProxyType({}),
+) -> str:
+    """
+    Return ``text``, with the reasons why messages of existing publishers cannot arrive.
+
+    ``remedies`` tells for other types than the one subscribed to what to do.
+    """
     kind = subscription.msg_type
     name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
     reasons = []
     for info in node.get_publishers_info_by_topic(subscription.topic_name):
         if info.topic_type != name:
-            reasons.append(f'it is published as {info.topic_type}, not {name}')
+            remedy = remedies.get(info.topic_type, '')
+            reasons.append(
+                f'it is published as {info.topic_type}, not {name}{remedy and f": {remedy}"}'
+            )
             continue
         fits, why = qos_check_compatible(info.qos_profile, subscription.qos_profile)
         if fits == QoSCompatibility.ERROR:
