@@ -111,6 +111,8 @@ class FleetNode(ManagedNode):
     diagnosis subscribes to its vibration topic.
     """
 
+    fleet = True
+
     def __init__(self) -> None:
         super().__init__('fleet', SPECS)
         p = self.parameters

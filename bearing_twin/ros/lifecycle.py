@@ -81,6 +81,9 @@ class ManagedNode(LifecycleNode):
     BearingTwinError, the transition fails and the text is logged.
     """
 
+    fleet = False
+    """Whether the node publishes the blocks of many bearings."""
+
     def __init__(self, name: str, specs: Iterable[Spec]) -> None:
         super().__init__(name)
         self.configured = False

@@ -6,6 +6,7 @@ import asyncio
 from contextlib import contextmanager
 import itertools
 from itertools import pairwise
+from pathlib import Path
 import signal
 import time
 
@@ -261,7 +262,15 @@ def test_one_process_hosts_many_bearings(nodes, probe, tmp_path):
     }
     probe.until(lambda: probe.statuses.keys() >= {f'p1/fleet: {p}' for p in parts}, 'statuses')
     probe.until(lambda: probe.node.count_subscribers('/p1/fan/vibration') == 1, 'its input')
+    assert max(shared_memory(nodes.pid('fleet'))) >= 8 * 2**20
     assert nodes.end('fleet', by=signal.SIGTERM) == 0
+
+
+def shared_memory(pid):
+    """Return the sizes of the pieces that Fast DDS has mapped into a process."""
+    maps = Path(f'/proc/{pid}/maps').read_text().splitlines()
+    pieces = [line.split()[0].split('-') for line in maps if '/dev/shm/fast' in line]
+    return [int(end, 16) - int(start, 16) for start, end in pieces]
 
 
 @contextmanager

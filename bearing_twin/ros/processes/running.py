@@ -65,7 +65,7 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
         )
         return REFUSED
     _end_with_parent()
-    set_up_fast_dds()
+    set_up_fast_dds(fleet=node_class.fleet)
     ensure_log_folder()
     keep_freed_memory()
     status = _run(node_class, args)
