@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from bearing_twin.dynamics.single.simulator import Simulator
 
 
-BLOCK = 4096
-"""Samples per block, 160 ms: sending it costs as much as sending a block of 40 ms."""
+BLOCK = 5120
+"""Samples per block, 200 ms: each block has one of five states a second."""
 
 CROWDED = 60.0
 """Time after a late block for which each slot has its own verdicts, s."""
