@@ -30,8 +30,8 @@ RARE_PERIOD = 0.1
 """Interval of checking services and events of the middleware, s."""
 SERVICES, EVENTS = 100, 40
 """Most services and events that are checked at a time; if there are more, they take turns."""
-SHORTEST = 0.01
-"""Shortest time between two polls of a group, s."""
+EARLY = 0.6
+"""Part of its period after which a group is polled if the executor is awake anyway."""
 AT_ONCE = 500
 """Most messages taken from a topic before other topics get a turn."""
 
@@ -192,7 +192,7 @@ class LeanExecutor(SingleThreadedExecutor):
     def _poll(self) -> bool:
         worked, now = False, time.monotonic()
         for group, subscriptions in self._polled.items():
-            if now - group.asked >= min(SHORTEST, group.period):
+            if now - group.asked >= EARLY * group.period:
                 group.asked = now
                 for subscription in subscriptions:
                     worked = _take(subscription, AT_ONCE) or worked
