@@ -15,7 +15,12 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.topics import FEATURES
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.topics.qos import advertise, CHECKPOINT, MEASUREMENT, RESULT, STREAM
-from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe, with_mismatch_reasons
+from bearing_twin.ros.topics.subscribing import (
+    receiver_clock,
+    subscribe,
+    unheard,
+    with_mismatch_reasons,
+)
 from bearing_twin.streams.vibration_input import (
     Inputs,
     Intake,
@@ -222,7 +227,13 @@ class DiagnosisTopics:
         """Return the status of the vibration stream for /diagnostics."""
         unkept = self._state.problem
         unkept = unkept and f'baseline and trend are not kept: {unkept}'
-        problems = self._core.rate_problem, *self._measured.problems(), unkept
+        problems = [self._core.rate_problem, *self._measured.problems(), unkept]
+        if self._node.active and not self._prefix:
+            problems += [
+                unheard(self._node, each, 'not heard')
+                for each in self._inputs
+                if each.msg_type is not Vibration
+            ]
         status = input_status(self._intake, time.monotonic(), *problems)
         if self._intake.blocks or self._intake.problem or not self._node.active:
             return status

@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.twin_messages import TwinBytes
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.topics.qos import advertise, CHECKPOINT, MEASUREMENT, stream
-from bearing_twin.ros.topics.subscribing import subscribe
+from bearing_twin.ros.topics.subscribing import subscribe, unheard
 from bearing_twin.thermal.gate import PHYSICAL_LOW, TemperatureStatus
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
@@ -70,8 +70,12 @@ class TwinTopics:
         inputs: list[tuple[Any, str, Any]] = [(Temperature, 'temperature', twin.take_temperature)]
         if twin.values['joint']:
             inputs.append((JointState, 'joint_states', twin.take_joints))
-        for kind, topic, take in inputs:
+        subscriptions = [
             subscribe(node, kind, f'{prefix}{topic}', take, MEASUREMENT, group=node.polled)
+            for kind, topic, take in inputs
+        ]
+        # A fleet has many inputs: asking the middleware about each would take too long.
+        self._asked = [] if prefix else subscriptions
 
     def await_subscribers(self, count: int, deadline: float = math.inf) -> None:
         """Wait for ``count`` subscribers to the vibration, at most 10 s or until ``deadline``."""
@@ -103,7 +107,9 @@ class TwinTopics:
 
     def status(self) -> Status:
         """Return the status of the inputs for /diagnostics."""
-        return temperature_status(self._twin.temperature, *self._twin.problems())
+        asked = self._asked if self._node.active else []
+        unheard_of = (unheard(self._node, each, 'not heard') for each in asked)
+        return temperature_status(self._twin.temperature, *self._twin.problems(), *unheard_of)
 
     def validity(self) -> Status:
         """Return the status of violated limits of model and bearing life, for /diagnostics."""

@@ -71,7 +71,7 @@ class ShaftSpeed:
         velocity = velocities[index]
         hz = abs(velocity) / (2.0 * math.pi)
         if not hz <= self.highest:
-            self._problem = f'speed {hz:.6g} Hz is not within 0..{self.highest:g} Hz'
+            self._problem = f'speed {hz:.6g} Hz is not within 0..{self.highest:g} Hz; give rad/s'
             return
         self._measured = hz
         self._arrived = now

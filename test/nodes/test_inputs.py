@@ -408,24 +408,34 @@ def test_an_array_that_is_arranged_in_another_way_is_refused(sizes, channels, in
 def test_why_a_publisher_is_not_heard_is_told(here):
     from bearing_twin.nodes.adapter import AdapterNode
     from bearing_twin.nodes.diagnosis import DiagnosisNode
+    from bearing_twin.nodes.twin import TwinNode
     from bearing_twin_msgs.msg import Vibration
     import rclpy
     from rclpy.qos import QoSProfile, ReliabilityPolicy
-    from std_msgs.msg import Float32MultiArray, Int16MultiArray
+    from std_msgs.msg import Float32, Float32MultiArray, Int16MultiArray
 
-    adapter, node = here(AdapterNode, sample_rate=1000.0), here(DiagnosisNode)
-    for each in (node, adapter):
+    adapter, node = here(AdapterNode, sample_rate=25600.0), here(DiagnosisNode)
+    twin = here(TwinNode)
+    for each in (node, adapter, twin):
         each.trigger_configure()
         each.trigger_activate()
     vibration, samples = node._topics.input_status, adapter._input_status
     assert (vibration().message, samples().message) == ('no vibration yet', 'no samples yet')
     other = rclpy.Context()
     other.init()
+
+    def with_a_block():
+        node._topics.take(Vibration(sample_rate=25600.0, y=[0.0] * 1024))
+        return vibration()
+
     best_effort = 'set qos_overrides./vibration.subscription.reliability to best_effort'
+    unheard = 'not heard on /temperature: it is published as std_msgs/msg/Float32'
     for kind, topic, status, said in (
         (Vibration, 'vibration', vibration, best_effort),
         (Float32MultiArray, 'vibration', vibration, 'published as std_msgs/msg/Float32MultiArray'),
         (Int16MultiArray, 'samples', samples, 'set source to int16_multi_array'),
+        (Float32, 'temperature', twin._topics.status, unheard),
+        (Float32, 'temperature', with_a_block, unheard),
     ):
         # Within one context, the middleware refuses a second type.
         source = rclpy.create_node('source', context=other)
@@ -437,6 +447,6 @@ def test_why_a_publisher_is_not_heard_is_told(here):
             time.sleep(0.05)
         source.destroy_publisher(publisher)
         source.destroy_node()
-    for each in (node, adapter):
+    for each in (node, adapter, twin):
         each.shut_down()
     rclpy.shutdown(context=other)

@@ -130,6 +130,12 @@ def with_mismatch_reasons(
     return f'{text}{where}{"; ".join(dict.fromkeys(reasons))}'
 
 
+def unheard(node: Node, subscription: Subscription[Any], text: str) -> str:
+    """Return ``text`` with the reasons of :func:`with_mismatch_reasons`; '' if there are none."""
+    said = with_mismatch_reasons(node, subscription, text)
+    return said if said != text else ''
+
+
 def validated(
     node: Node,
     kind: Any,
