@@ -437,12 +437,15 @@ class StreamingDiagnoser:
 
         These are the samples of the next window and, since its first segment overlaps it, of the
         stretch before it, if the run has one; at least those of the newest stretch, which decide
-        when updates are due.
+        when updates are due. Before the first update they are all of the run, whose begin that
+        update explains.
         """
         held = following - self._began
         if following != self._next or not held or not math.isfinite(self._rate):
             return following
         cut = self._cut
+        if held < cut.interval:
+            return self._began
         due = self._began + (held // cut.interval + 1) * cut.interval
         newest = self._began + (held - 1) // cut.stretch * cut.stretch
         return max(min(due - cut.samples - cut.stretch, newest), self._began)

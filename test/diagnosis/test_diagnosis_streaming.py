@@ -87,10 +87,12 @@ def test_a_loaded_state_knows_on_which_samples_a_window_rests():
     end = 1000 + 5 * 25600
     assert again.first_needed_sample(end) == end + 25600 - round(SHORT.window * RATE) - 25600
     assert again.first_needed_sample(end + 10) == end + 10
-    # Of windows that do not touch on the newest stretch alone, which tells when one is due.
-    seldom = StreamingDiagnoser(BEARING, replace(SHORT, update_interval=20.0))
-    seldom.load(diagnoser.save())
-    assert seldom.first_needed_sample(end) == end - 25600
+    # Of windows that do not touch on the newest stretch alone, which tells when one is due; before
+    # the first update on all.
+    for interval, first in ((4.0, end - 25600), (20.0, 1000)):
+        seldom = StreamingDiagnoser(BEARING, replace(SHORT, update_interval=interval))
+        seldom.load(diagnoser.save())
+        assert seldom.first_needed_sample(end) == first
     diagnoser.load(StreamingDiagnoser(BEARING, SHORT).save())
     assert diagnoser.first_needed_sample(0) == 0
 
