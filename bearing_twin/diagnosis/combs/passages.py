@@ -82,34 +82,52 @@ def ball_passages(envelopes: NDArray[np.float32], turns: float, bearing: Bearing
     ball, cage = orders.impacts('ball'), orders.ftf
     slowest, fastest = 1.0 - SLIP[1], 1.0 - SLIP[0]
     half = round(_HALF_WIDTH * cage * turns)
-    lines = _lines(envelopes, turns, fastest * (HARMONICS * ball + 2.0 * cage))
+    at_bins, between = _lines(envelopes, turns, fastest * (HARMONICS * ball + 2.0 * cage))
+    below = at_bins.conj()
     found = 0.0
-    for apart in range(math.ceil(slowest * cage * turns), int(fastest * cage * turns) + 1):
-        products = np.einsum('kb,kb->k', lines[apart:], lines[:-apart].conj())
+    # At whole bins the cage's order lies up to half a bin off, where the phase between two lines
+    # turns by half a turn within the window and 2/pi of their product is left; at half bins 0.9.
+    first, last = (2.0 * turning * cage * turns for turning in (slowest, fastest))
+    for half_bins in range(math.ceil(first), int(last) + 1):
+        bins, odd = divmod(half_bins, 2)
+        above = (between if odd else at_bins)[:, bins:]
+        products = (above * below[:, : above.shape[1]]).sum(axis=0)
         sums = np.concatenate((np.zeros(1), np.cumsum(products, dtype=np.complex128)))
         sums = sums[2 * half :] - sums[: -2 * half]
-        turning = apart / (cage * turns)
-        # Halfway between the two lines, in harmonics of the ball.
-        harmonic = (np.arange(len(sums)) + half + 0.5 * apart) / (ball * turning * turns)
-        beside = np.abs(harmonic - np.rint(harmonic)) > (0.5 + _HALF_WIDTH) * cage / ball
-        rest = sums[beside & (harmonic * ball > _LOWEST)]
+        # Bins, halfway between the two lines; the first place is no harmonic.
+        apart = 0.5 * half_bins
+        spin, wide = apart * ball / cage, (0.5 + _HALF_WIDTH) * apart
+        harmonic = spin * np.arange(HARMONICS + 1)
+        begin = np.maximum(harmonic + wide, apart * _LOWEST / cage)
+        places = np.array((harmonic, begin, harmonic + spin - wide)) - half - 0.5 * apart
+        at, *beside = np.ceil(places).astype(int)
+        rest = np.concatenate([sums[i:j] for i, j in zip(*beside, strict=True)])
         if half == 0 or len(rest) < _WINDOWS * 2 * half:
             return 0.0
         middle = np.median(rest.real) + 1j * np.median(rest.imag)
         # The median of an exponential distribution is ln 2 times its mean.
         scatter = np.median(np.abs(rest - middle) ** 2) / math.log(2.0)
-        at = np.searchsorted(harmonic, np.arange(1, HARMONICS + 1))
-        together = abs((sums[at] - middle).sum())
+        together = abs((sums[at[1:]] - middle).sum())
         found = max(found, together / math.sqrt(max(HARMONICS * scatter, _TINY)))
     return float(found)
 
 
-def _lines(envelopes: NDArray[np.float32], turns: float, highest: float) -> NDArray[np.complex64]:
-    """Return the lines of the envelopes up to an order over the root of the floor, (K, bands)."""
-    mean = envelopes.mean(axis=0)
-    capped = np.minimum(envelopes, np.float32(_LOUDEST) * mean)
-    lines = fft.rfft(capped - capped.mean(axis=0), axis=0)[: math.ceil(highest * turns)]
-    floor = local_floor((lines.real**2 + lines.imag**2).T, max(int(4.0 * turns), 32)).T
-    lines /= np.sqrt(floor)
-    lines /= np.maximum(np.abs(lines) / np.float32(_HIGHEST), np.float32(1.0))
-    return np.asarray(lines, np.complex64)
+def _lines(
+    envelopes: NDArray[np.float32], turns: float, highest: float
+) -> tuple[NDArray[np.complex64], NDArray[np.complex64]]:
+    """
+    Return the lines of the envelopes up to an order over the root of the floor, (bands, K) each.
+
+    The first are those at whole bins, the others those half a bin above them.
+    """
+    limit = np.float32(_LOUDEST) * envelopes.mean(axis=0)
+    capped = np.minimum(envelopes.T, limit[:, np.newaxis], order='C')
+    capped -= capped.mean(axis=1, keepdims=True)
+    lines = fft.rfft(capped, 2 * capped.shape[1])[:, : 2 * math.ceil(highest * turns)]
+    power = lines.real**2 + lines.imag**2
+    floor = local_floor(power[:, ::2], max(int(4.0 * turns), 32))
+    lowest = power * np.float32(1.0 / _HIGHEST**2)
+    at_bins, between = (
+        lines[:, odd::2] * (1.0 / np.sqrt(np.maximum(floor, lowest[:, odd::2]))) for odd in (0, 1)
+    )
+    return at_bins, between
