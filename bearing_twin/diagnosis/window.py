@@ -93,8 +93,17 @@ class Window:
     def ball_passages(self, bearing: Bearing) -> float:
         """Return the significance of a ball's impacts in groups, in the narrow capped bands."""
         count = len(self.bands)
-        narrow = slice(count - (count + 1) // 2, count)
-        parts = [np.concatenate(each.envelopes, axis=1)[:, narrow] for each in self.segments]
+        first = count - (count + 1) // 2
+        parts = [
+            np.concatenate(
+                [
+                    group[:, max(first - before, 0) : count - before]
+                    for before, group in zip(range(0, count, L), each.envelopes, strict=False)
+                ],
+                axis=1,
+            )
+            for each in self.segments
+        ]
         joined = OverlappingParts(parts, self.lap).joined()
         if self.equal_angles is not None:
             joined = resample(joined, self.equal_angles)
