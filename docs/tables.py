@@ -68,8 +68,7 @@ ROS 2 joins the sections `/**` of all parameter files and of `-p` to the first o
 begins with `/**` and sets a parameter in a section `/**/twin` behind it, `-p` loses against it
 (`ros2 launch` with our launch files does not): write such a file without `/**`.
 
-A topic, service or parameter that an earlier section has is only named in a later one (*as
-above*).
+What an earlier section has is only named in a later one (*as above*, *as in*).
 
 Names with a point are nested tables in a parameter file (`lubricant: {viscosity_40: 4.6e-05}`). A
 file of assets accepts both forms. A checkpoint, and the configuration in a recording, omits the
@@ -111,8 +110,7 @@ from the level; the code is its condition name. The next step of a place whose l
 follows from the stage; *ambiguous* of stage 1 or 2, which combs raised, has that step and its own.
 Where something sound explains the lines as well, the step is what tells
 ([rules](diagnosis.md#confidence)). Where the level of a *suspect* has risen or is in zone C, the
-step is to find the cause of the vibration.
-Mapped here, not shipped: there is no OPC UA server in this package.
+step is to find the cause of the vibration. This package has no OPC UA server.
 """
 
 CONDITIONS = {
@@ -181,13 +179,13 @@ Row = tuple[str, ...]
 
 def document() -> str:
     """Return the text of ``docs/nodes.md``."""
-    told: set[Row] = set()
+    told: dict[Row, str] = {}
     with tempfile.TemporaryDirectory() as folder:
         sections = [_node_section(name, Path(folder), told) for name in NODES]
         return '\n'.join([INTRODUCTION, *sections, *codes()])
 
 
-def _node_section(name: str, folder: Path, told: set[Row]) -> str:
+def _node_section(name: str, folder: Path, told: dict[Row, str]) -> str:
     """Return the section of a node; what ``told`` has of other nodes is only named in it."""
     node_class: type[ManagedNode] = importlib.import_module(f'bearing_twin.nodes.{name}').NODE
     topics: set[Row] = set()
@@ -217,10 +215,10 @@ def _node_section(name: str, folder: Path, told: set[Row]) -> str:
             '',
             f'`ros2 run bearing_twin {name}`: {_first_line(node_class)}',
             '',
-            *_table(head, _topics_once(topics, told)),
-            *_once(('service', 'type', 'meaning'), services, told),
+            *_table(head, _topics_once(name, topics, told)),
+            *_once(name, ('service', 'type', 'meaning'), services, told),
             *_table(('status', 'numbers', 'texts'), sorted(statuses)),
-            *_once(PARAMETER, _parameters(node.parameters.specs), told),
+            *_once(name, PARAMETER, _parameters(node.parameters.specs), told),
         ]
     )
 
@@ -255,16 +253,20 @@ def _of_any_node(row: Row) -> Row:
     return (re.sub(r'ASSET/(twin/|diagnosis/|)|~/', '', row[0]), *row[1:])
 
 
-def _once(head: Row, rows: Sequence[Row], told: set[Row]) -> list[str]:
-    """Return a table of the rows that were not told before, and the names of the others."""
-    new = [row for row in rows if _of_any_node(row) not in told]
-    again = [row[0] for row in rows if row not in new]
-    told.update(map(_of_any_node, new))
+def _once(node: str, head: Row, rows: Sequence[Row], told: dict[Row, str]) -> list[str]:
+    """Return a table of the rows that were not told before, and the others by their node."""
+    new, again = list[Row](), dict[str, list[str]]()
+    for row in rows:
+        if (of := told.setdefault(_of_any_node(row), node)) == node:
+            new.append(row)
+        else:
+            again.setdefault(of, []).append(row[0])
     lines = _table(head, new) if new else []
-    return [*lines, *([f'As above: {", ".join(again)}.', ''] if again else [])]
+    known = '; '.join(f'as in [{of}](#{of}): {", ".join(names)}' for of, names in again.items())
+    return [*lines, *([f'A{known[1:]}.', ''] if again else [])]
 
 
-def _topics_once(rows: Iterable[Row], told: set[Row]) -> list[Row]:
+def _topics_once(node: str, rows: Iterable[Row], told: dict[Row, str]) -> list[Row]:
     """Return rows of new topics, alike ones joined, and of known ones by quality of service."""
     new, again = dict[Row, list[str]](), dict[Row, list[str]]()
     for row in sorted(rows, key=lambda row: (row[1], row[0])):
@@ -274,7 +276,7 @@ def _topics_once(rows: Iterable[Row], told: set[Row]) -> list[Row]:
             again.setdefault((direction, 'as above', qos, 'as above'), []).append(name)
         else:
             new.setdefault((direction, kind, qos, meaning), []).append(name)
-            told.add(about)
+            told[about] = node
     return [(', '.join(names), *rest) for rest, names in (*new.items(), *again.items())]
 
 
