@@ -177,8 +177,9 @@ class AdapterNode(ManagedNode):
         again = self._repeat.repeats(samples)
         if again:
             self._refuse(REPEATED)
-            if elapsed > length / 2:
-                # The driver hangs: the samples are missing in the index of the next block.
+            if elapsed > 0.75 * length:
+                # The driver hangs: the samples are missing in the index of the next block. One
+                # that is asked twice a block repeats each after half of its length.
                 return
         missing = self._sequence.missing(
             info.get('publisher_gid'), info['publication_sequence_number']

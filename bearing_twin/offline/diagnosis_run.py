@@ -62,9 +62,16 @@ class DiagnosisRun(DiagnosisCore):
         text = yaml.safe_dump(self.values)
         return output('/diagnosis_checkpoint', self.checkpoint(block, text))
 
-    def push(self, message: Any, **known: Any) -> Iterator[Output]:
-        """Yield the node's messages for one vibration message; ``known`` as in :meth:`take`."""
-        for due in self.take(read_vibration(message, self.values['axis']), **known):
+    def push(
+        self, message: Any, *, temperature: float, joint_hz: float = math.nan
+    ) -> Iterator[Output]:
+        """
+        Yield the node's messages for one vibration message of a file; arguments as of `take`.
+
+        A program may have made the file, with blocks that repeat the one before: none is refused.
+        """
+        block = read_vibration(message, self.values['axis'])
+        for due in super().take(block, temperature=temperature, joint_hz=joint_hz):
             yield from self.outputs(due.judge(due.excerpt.analyse()))
 
     def take(

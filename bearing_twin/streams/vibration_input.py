@@ -31,11 +31,11 @@ SILENT_AFTER = 2.0
 """Time without a block after which a source of short blocks counts as silent, s."""
 REMEMBERED = 5.0
 """Time for which an ignored source of short blocks counts as present, s."""
-FEWEST_COMPARED = 64
-"""Fewest samples of a block that is compared with the one before: few may be equal by chance."""
+FEWEST_STEPS = 32
+"""Fewest steps from sample to sample in a block that is compared with the one before."""
 REPEATED = (
     'its samples are those of the block before: the driver sends each block twice, or hangs; '
-    'correct or restart it'
+    'correct or restart it; a simulation whose period is a block needs noise'
 )
 """Why a block is refused that a :class:`RepeatCheck` recognises."""
 SEVERAL_SOURCES = 'several sources on one topic: only the first is used'
@@ -266,7 +266,8 @@ class RepeatCheck:
     Recognise a block whose samples are those of the block before, which no live sensor gives.
 
     A driver that sends each block twice, or that has stopped and sends its last buffer again,
-    does. Constant samples do not count: those of a sensor that is not connected are alike.
+    does. Blocks of few steps do not count, as they may be equal by chance: those of a sensor that
+    is not connected, or of a machine at rest that changes the last bit of the counts now and then.
 
     Examples
     --------
@@ -285,9 +286,8 @@ class RepeatCheck:
         former, self._former = self._former, samples
         return (
             former is not None
-            and samples.shape[-1] >= FEWEST_COMPARED
             and np.array_equal(samples, former)
-            and bool((samples != samples[..., :1]).any())
+            and int(np.count_nonzero(samples[..., 1:] != samples[..., :-1])) >= FEWEST_STEPS
         )
 
 

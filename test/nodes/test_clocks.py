@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Clocks that are set, and stamps that make no sense, end no node and fill no memory."""
 
+import math
 import random
 import time
 import tracemalloc
@@ -252,18 +253,19 @@ def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(here):
 
 
 @pytest.mark.ros
-@pytest.mark.parametrize('hangs', [False, True])
-def test_messages_that_repeat_the_one_before_are_refused(hangs, here):
+@pytest.mark.parametrize('later', [0.0, 0.055, math.inf])
+def test_messages_that_repeat_the_one_before_are_refused(later, here):
     node = here(AdapterNode, sample_rate=1000.0, block_size=100)
     node.trigger_configure()
     noise = np.random.default_rng(0).standard_normal((40, 100)).astype(np.float32)
-    # The driver sends each of its messages twice, or one of them for eleven periods.
+    # The driver sends each of its messages twice, at once or later (s), or one for eleven periods.
+    hangs = math.isinf(later)
     kept = [0, *(max(5, k - 10) for k in range(1, 40))] if hangs else range(40)
     numbers = iter(range(1, 100))
     for k, which in enumerate(kept):
-        for _ in range(1 if hangs else 2):
+        for after in (0.0,) if hangs else (0.0, later):
             info = {
-                'source_timestamp': EPOCH + k * NANO // 10,
+                'source_timestamp': EPOCH + k * NANO // 10 + round(after * NANO),
                 'publication_sequence_number': next(numbers),
             }
             message = Float32MultiArray(data=noise[which])
