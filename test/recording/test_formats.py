@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import re
 import sys
 from typing import Any, TYPE_CHECKING
 
@@ -260,17 +261,27 @@ def test_a_missing_library_is_named(
     assert f"reading it needs {library}: pip install {library}, or 'bearing_twin[files]'" in said
 
 
+@pytest.mark.parametrize(('make', 'name'), [(tdms, 'a.tdms'), (uff, 'a.uff')])
 def test_a_file_that_is_cut_off_is_said_to_be(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    make: Callable[[Path], None], name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    tdms(tmp_path / 'a.tdms')
-    content = (tmp_path / 'a.tdms').read_bytes()
-    (tmp_path / 'a.tdms').write_bytes(content[: len(content) * 3 // 4])
+    make(tmp_path / name)
+    content = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(content[: len(content) * 3 // 4])
     words = ('--bearing', '6205', '--channel', 'DE', '--json')
-    assert main(['diagnose', str(tmp_path / 'a.tdms'), *words]) == 0
+    assert main(['diagnose', str(tmp_path / name), *words]) == 0
     said = capsys.readouterr()
-    assert 'Motor DE (the file ends before its header says)' in said.out
+    assert re.search(r'Motor DE( 7\+Z)? \(the file ends before its header says\)', said.out)
     assert said.err == ''
+
+
+def test_a_text_of_matlab_may_be_of_any_characters(tmp_path: Path) -> None:
+    mat(tmp_path / 'a.mat')
+    with h5py.File(tmp_path / 'a.mat', 'r+') as file:
+        # A character of two units, half a one, and one that is none.
+        file['label'] = np.array([[0xD83D], [0xDE00], [0xD83D], [0xFFFF0041]], np.uint32)
+        file['label'].attrs['MATLAB_class'] = np.bytes_('char')
+    assert read_signal(tmp_path / 'a.mat').label == '\U0001f600\ufffdA'
 
 
 def test_parts_of_a_labview_measurement_are_joined_as_far_as_their_times_continue(

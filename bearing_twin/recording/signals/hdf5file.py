@@ -55,7 +55,8 @@ def read_hdf5(path: Path) -> dict[str, Any]:
             room += max(math.prod(data.shape), math.prod(data.chunks or ()))
             refuse_large(path, room)
             if is_text and data.size <= LONGEST_TEXT:
-                found[name] = np.array(''.join(map(chr, data[()].ravel().tolist())))
+                units = data[()].ravel().astype('<u2').tobytes()
+                found[name] = np.array(units.decode('utf-16-le', 'replace'))
             elif not is_text:
                 # MATLAB writes the last axis first.
                 found[name] = data[()].T.squeeze()

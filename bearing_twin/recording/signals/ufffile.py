@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import os
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -45,6 +46,10 @@ def read_uff(path: Path) -> dict[str, Any]:
         file = pyuff.UFF(str(path))
         wanted = [n for n, kind in enumerate(file.get_set_types()) if kind in (58, 164)]
         sets = [file.read_sets(n) for n in wanted]
+        with path.open('rb') as opened:
+            opened.seek(-min(path.stat().st_size, 200), os.SEEK_END)
+            # pyuff passes over a set without its end.
+            torn = not opened.read().rstrip().endswith(b'-1')
     length = 0.0
     records, names, left = [], [], []
     for data in sets:
@@ -65,12 +70,11 @@ def read_uff(path: Path) -> dict[str, Any]:
     if not records:
         listed = f' ({", ".join(left[:10])})' if left else ''
         raise BearingTwinError(
-            f'{path} has no time record among its {len(left)} data sets 58{listed}; export the '
-            'time history (type 1)'
+            f'{path}{TORN if torn else ""} has no time record among its {len(left)} data sets '
+            f'58{listed}; export the time history (type 1)'
         )
     found: dict[str, Any] = {}
     each: dict[str, dict[str, Any]] = {}
-    torn = False
     for name, (data, scale) in zip(distinct(names), records, strict=True):
         count = data['num_pts']
         found[name] = data['data'][:count]
