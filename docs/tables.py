@@ -54,8 +54,8 @@ absolute. Where the quality of service is marked with \\*, it can be overridden 
 parameters `qos_overrides./TOPIC.publisher.reliability`, `.history` and `.depth` (1 .. 10000; for
 inputs `.subscription.`), TOPIC being the full name.
 
-A change of parameters is checked as a whole and accepted or refused as a whole. Parameters with
-"no" in the column "running" can be changed only while the node is not configured.
+A change of parameters is accepted or refused as a whole. Parameters with "no" in the column
+"running" can be changed only while the node is not configured.
 
 A value outside the column "values" is refused with the limit and the remedy. `0 or 10 .. 50000`
 means 10 to 50000, or 0 with the meaning given in the last column. A value that is given always
@@ -74,12 +74,12 @@ Names with a point are nested tables in a parameter file (`lubricant: {viscosity
 file of assets accepts both forms. A checkpoint, and the configuration in a recording, omits the
 parameters of machine, sensor, oil and thermal laws that have their default.
 
-The nodes subscribe to `joint_states` only if the parameter `joint` names a joint.
+The nodes subscribe to `joint_states` only if the parameter `joint` names a joint, the twin to
+`calibration` only with `follow_calibration`.
 
 The stamp of `vibration` is the time of its first sample, without regard to filter delays. The
 twin's decimator shows what happened 15 samples earlier (0.586 ms at 25.6 kHz), as the converter of
-a real accelerometer does with its own delay; stamp, `first_sample` and deadline keep one exact
-relation.
+a real accelerometer does with its own delay.
 
 The fleet has the topics of a twin and a diagnosis for each asset, under its name (ASSET below),
 and their parameters as `ASSET.twin.NAME` and `ASSET.diagnosis.NAME`, besides those listed. A
@@ -245,7 +245,7 @@ def _needed(name: str, folder: Path) -> list[dict[str, str]]:
         return [{'sample_rate': '25600.0'}, {'source': 'imu'}]
     if name == 'fleet':
         return [{'names': '[ASSET]'}]
-    return [{'joint': 'shaft'}]
+    return [{'joint': 'shaft', **({'follow_calibration': 'true'} if name == 'twin' else {})}]
 
 
 def _of_any_node(row: Row) -> Row:

@@ -202,14 +202,11 @@ class CalibrationNode(ManagedNode):
             'temperature': f'none received, {TEMPERATURE:g} degC are assumed'
             if math.isnan(heat)
             else f'{heat:.1f} degC',
+            'statement': found.statement if found else '',
+            'distance_db': found.distance if found else math.nan,
+            'level_over_machine_db': found.level if found else math.nan,
+            'cost_s': found.cost if found else math.nan,
         }
-        if found is not None:
-            values |= {
-                'statement': found.statement,
-                'distance_db': found.distance,
-                'level_over_machine_db': found.level,
-                'cost_s': found.cost,
-            }
         now, intake = time.monotonic(), self._intake
         age = now - intake.arrived
         if not age <= intake.silent_after:

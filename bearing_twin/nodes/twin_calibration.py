@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from typing import Any, TYPE_CHECKING
 
@@ -91,25 +92,26 @@ class TwinCalibration:
     def status(self) -> Status:
         """Return the status for /diagnostics: the calibration, and the similarity since then."""
         sensor = self._twin.sensor
+        fitted, similarity = (sensor.fitted_model, sensor.similarity()) if sensor else (None, None)
+        values: dict[str, object] = {
+            'statement': fitted.statement if fitted else '',
+            'machine_shaft_hz': fitted.shaft_hz if fitted else math.nan,
+            'machine_temperature_degc': fitted.temperature if fitted else math.nan,
+            'distance_db': similarity.distance if similarity else math.nan,
+            'level_over_machine_db': similarity.level if similarity else math.nan,
+        }
         if self._problem:
-            return Status(Level.WARN, f'calibration not taken: {self._problem}', {})
-        if sensor is None:
+            return Status(Level.WARN, f'calibration not taken: {self._problem}', values)
+        if fitted is None:
             # follow_calibration may be set although no calibration node is running.
             waits = self._published()
             text = 'no calibration yet' if waits else 'runs by its own parameters'
-            return Status(Level.STALE if waits else Level.OK, text, {})
-        fitted, similarity = sensor.fitted_model, sensor.similarity()
-        values: dict[str, object] = {
-            'statement': fitted.statement,
-            'machine_shaft_hz': fitted.shaft_hz,
-            'machine_temperature_degc': fitted.temperature,
-        }
+            return Status(Level.STALE if waits else Level.OK, text, values)
         if self._heard and not self._published():
             text = f'no node publishes calibrations any more; the last one: {fitted.statement}'
             return Status(Level.STALE, text, values, kind='left')
         if similarity is None:
             return Status(Level.OK, f'taken: {fitted.statement}', values, kind='taken')
-        values |= {'distance_db': similarity.distance, 'level_over_machine_db': similarity.level}
         text = (
             f'{signed(similarity.level)} dB over the machine, log-spectral distance '
             f'{similarity.distance:.1f} dB; {fitted.statement}'
