@@ -61,8 +61,8 @@ def ball_passages(envelopes: NDArray[np.float32], turns: float, bearing: Bearing
     Returns
     -------
     Mean product around the harmonics of the ball over its scatter elsewhere, at the cage slip with
-    the highest value; 0 if the window is too short. In noise the square of the value at one slip
-    has an exponential distribution with mean 1.
+    the highest value; 0 if the window is too short, or sampled too slowly for the harmonics. In
+    noise the square of the value at one slip has an exponential distribution with mean 1.
 
     Impacts of a ball in the load zone, with a random phase in each passage:
 
@@ -102,7 +102,7 @@ def ball_passages(envelopes: NDArray[np.float32], turns: float, bearing: Bearing
         places = np.array((harmonic, begin, harmonic + spin - wide)) - half - 0.5 * apart
         at, *beside = np.ceil(places).astype(int)
         rest = np.concatenate([sums[i:j] for i, j in zip(*beside, strict=True)])
-        if half == 0 or len(rest) < _WINDOWS * 2 * half:
+        if half == 0 or len(rest) < _WINDOWS * 2 * half or at[-1] >= len(sums):
             return 0.0
         middle = np.median(rest.real) + 1j * np.median(rest.imag)
         # The median of an exponential distribution is ln 2 times its mean.
@@ -123,7 +123,8 @@ def _lines(
     limit = np.float32(_LOUDEST) * envelopes.mean(axis=0)
     capped = np.minimum(envelopes.T, limit[:, np.newaxis], order='C')
     capped -= capped.mean(axis=1, keepdims=True)
-    lines = fft.rfft(capped, 2 * capped.shape[1])[:, : 2 * math.ceil(highest * turns)]
+    count = min(math.ceil(highest * turns), capped.shape[1] // 2)
+    lines = fft.rfft(capped, 2 * capped.shape[1])[:, : 2 * count]
     power = lines.real**2 + lines.imag**2
     floor = local_floor(power[:, ::2], max(int(4.0 * turns), 32))
     lowest = power * np.float32(1.0 / _HIGHEST**2)

@@ -27,3 +27,14 @@ def _significance(bearing, orders, turns, seed):
     struck = 1.0 + 1.2 * (strikes & (cage % 1.0 < 0.5))
     noise = rng.exponential(size=(len(turn), 13)).astype(np.float32)
     return ball_passages(noise * struck[:, np.newaxis].astype(np.float32), turns, bearing)
+
+
+@pytest.mark.parametrize('samples', range(16, 50))
+def test_envelopes_that_are_sampled_slowly_have_groups_or_no_significance(samples):
+    """The fourth harmonic of the ball is at order 18.9, and its group 0.4 orders wide."""
+    bearing = find_bearing('6205')
+    rng = np.random.default_rng(0)
+    noise = rng.exponential(size=(60 * samples, 5)).astype(np.float32)
+    found = ball_passages(noise, 60.0, bearing)
+    assert (found == 0.0) == (samples < 39)
+    assert found < 5.0
