@@ -17,9 +17,9 @@ from bearing_twin.assets.parameters.diagnosis import (
     nominal_speed,
 )
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import RateMeter
-from bearing_twin.streams.vibration_input import RepeatCheck, REPEATED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

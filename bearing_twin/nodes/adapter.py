@@ -12,6 +12,7 @@ from bearing_twin.assets.messages import floats, message_header
 from bearing_twin.assets.parameters.shared import HARDWARE_ID
 from bearing_twin.assets.parameters.spec import fixed
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import advertise, SENSOR, STREAM
@@ -26,8 +27,6 @@ from bearing_twin.streams.sampling import (
 )
 from bearing_twin.streams.vibration_input import (
     Intake,
-    RepeatCheck,
-    REPEATED,
     SEVERAL_SOURCES,
     SILENT_AFTER,
 )

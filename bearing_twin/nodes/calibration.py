@@ -14,6 +14,7 @@ from bearing_twin.assets.calibration.task import fit_record
 from bearing_twin.assets.parameters.calibration import SPECS
 from bearing_twin.calibration.candidates.cloud import TEMPERATURE
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import advertise, MEASUREMENT, RESULT, STREAM
@@ -23,8 +24,6 @@ from bearing_twin.streams.vibration_input import (
     Inputs,
     Intake,
     read_vibration,
-    RepeatCheck,
-    REPEATED,
     SEVERAL_SOURCES,
 )
 from bearing_twin.streams.worker import Worker

@@ -31,13 +31,6 @@ SILENT_AFTER = 2.0
 """Time without a block after which a source of short blocks counts as silent, s."""
 REMEMBERED = 5.0
 """Time for which an ignored source of short blocks counts as present, s."""
-FEWEST_STEPS = 32
-"""Fewest steps from sample to sample in a block that is compared with the one before."""
-REPEATED = (
-    'its samples are those of the block before: the driver sends each block twice, or hangs; '
-    'correct or restart it; a simulation whose period is a block needs noise'
-)
-"""Why a block is refused that a :class:`RepeatCheck` recognises."""
 SEVERAL_SOURCES = 'several sources on one topic: only the first is used'
 """Status while a :class:`SourceLock` is contested."""
 SOURCE_UNKNOWN, SOURCE_MEASURED, SOURCE_SIMULATED = range(3)
@@ -259,36 +252,6 @@ class Inputs:
     def set_timeout(self, timeout: float) -> None:
         """Set the age above which a temperature is stale, s."""
         self.gate.timeout = self._sources.timeout = self._sources.remember = timeout
-
-
-class RepeatCheck:
-    """
-    Recognise a block whose samples are those of the block before, which no live sensor gives.
-
-    A driver that sends each block twice, or that has stopped and sends its last buffer again,
-    does. Blocks of few steps do not count, as they may be equal by chance: those of a sensor that
-    is not connected, or of a machine at rest that changes the last bit of the counts now and then.
-
-    Examples
-    --------
-    >>> check = RepeatCheck()
-    >>> noise = np.random.default_rng(0).normal(size=128)
-    >>> [check.repeats(block) for block in (noise, noise[::-1], noise[::-1])]
-    [False, False, True]
-
-    """
-
-    def __init__(self) -> None:
-        self._former: NDArray[np.float32] | None = None
-
-    def repeats(self, samples: NDArray[np.float32]) -> bool:
-        """Whether ``samples``, shape (n,) or (channels, n), are those of the last call."""
-        former, self._former = self._former, samples
-        return (
-            former is not None
-            and np.array_equal(samples, former)
-            and int(np.count_nonzero(samples[..., 1:] != samples[..., :-1])) >= FEWEST_STEPS
-        )
 
 
 @dataclass

@@ -41,11 +41,11 @@ def header(types: Typestore, ns: int, frame_id: str = 'sensor') -> Any:
     return types.types['std_msgs/msg/Header'](stamp=stamp, frame_id=frame_id)
 
 
-def vibration_cdr(index: int, *, length: int = BLOCK) -> bytes:
-    """Return block ``index`` of a signal that is different in every sample."""
+def vibration_cdr(index: int, *, length: int = BLOCK, hung: int = 0) -> bytes:
+    """Return block ``index`` of a signal that is different in every sample, or one ``hung``."""
     types = store(VIBRATION)
     first = index * length
-    samples = np.sin(0.01 * (first + np.arange(length))).astype(np.float32)
+    samples = np.sin(0.01 * (first - hung * length + np.arange(length))).astype(np.float32)
     message = types.types[VIBRATION](
         header=header(types, START + index * PERIOD),
         sample_rate=RATE,

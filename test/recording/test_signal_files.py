@@ -323,6 +323,20 @@ def test_the_longest_stretch_without_a_gap_is_taken(tmp_path: Path) -> None:
     np.testing.assert_array_equal(signal.x, expected)
 
 
+def test_blocks_that_repeat_the_one_before_are_left_out(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run.mcap') as writer:
+        # The driver sends blocks twice, and then hangs for 20 of them.
+        sent = [(k, 0) for k in range(5) for _ in range(2)]
+        for index, hung in [*sent, *((5 + k, 1 + k) for k in range(20)), (25, 0)]:
+            time = START + index * PERIOD
+            cdr = vibration_cdr(index, hung=hung)
+            writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time)
+    signal = read_signal(tmp_path / 'run.mcap')
+    expected = 2.0 * np.sin(0.01 * np.arange(5 * BLOCK)).astype(np.float32)
+    np.testing.assert_array_equal(signal.x, expected)
+    assert '(left out: 25 blocks with the samples of the block before)' in signal.source
+
+
 def test_recordings_of_a_series_are_as_far_apart_as_their_first_messages(tmp_path: Path) -> None:
     for number in range(3):
         with RecordingWriter(tmp_path / f'{number}.mcap') as writer:

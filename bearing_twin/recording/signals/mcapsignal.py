@@ -12,6 +12,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.topics import VIBRATION
+from bearing_twin.repeats import RepeatCheck
 from bearing_twin.stamps import NANO, stamp_ns
 import numpy as np
 
@@ -72,7 +73,7 @@ def read_vibration_topic(path: Path, channel: str | None, *, most: int) -> dict[
     with known_fields(topic, type_name), np.errstate(invalid='ignore'):
         # A damaged block may contain a signalling NaN, which would cause a warning.
         if type_name == VIBRATION:
-            found = _from_vibration(messages, axis, blocks, _Blocks(path, most))
+            found = _from_vibration(messages, axis, blocks, _Blocks(path, most), problems)
         elif type_name in SINGLE:
             found = _from_single(messages, axis, blocks, SINGLE[type_name], most)
         else:
@@ -143,9 +144,12 @@ def _topic(path: Path, topics: dict[str, TopicInfo], channel: str | None) -> tup
     raise BearingTwinError(f'{path}: name the vibration topic{asked}; it has {", ".join(fitting)}')
 
 
-def _from_vibration(messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks) -> dict[str, Any]:
+def _from_vibration(
+    messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks, problems: list[str]
+) -> dict[str, Any]:
     expected: int | None = None
     found: dict[str, Any] = {}
+    repeat, repeated = RepeatCheck(), 0
     for message in messages:
         block = message.decode()
         x, y = np.asarray(block.x), np.asarray(block.y)
@@ -154,12 +158,18 @@ def _from_vibration(messages: Any, axis: str, blocks: _Blocks, speeds: _Blocks) 
         if found and rate != found['fs']:
             raise BearingTwinError(f'the sample rate changes from {found["fs"]:g} to {rate:g} Hz')
         found = {'fs': rate, 'unit': np.array(str(block.unit))}
+        if repeat.repeats(samples):
+            # As the node does: of a driver that hangs the samples are missing in the index.
+            repeated += 1
+            continue
         if expected is not None and int(block.first_sample) != expected:
             blocks.gap()
             speeds.gap()
         expected = int(block.first_sample) + samples.size
         blocks.add(samples.astype(np.float64))
         speeds.add(np.full(samples.size, float(block.shaft_hz)))
+    if repeated:
+        problems.append(f'{repeated} blocks with the samples of the block before')
     return {**found, 'shaft_hz': speeds.longest() if found else math.nan}
 
 
