@@ -33,6 +33,11 @@ def test_one_step_is_that_of_an_oscillator(damping):
     assert error(320) / error(640) == pytest.approx(2.0**4, rel=0.1)
 
 
+def test_a_motion_that_grows_is_not_only_said_to_be_resolved():
+    with pytest.raises(BearingTwinError, match=r'at 7978 Hz, .* up to 12223 Hz, but make it grow'):
+        Simulator(preset('paper', outer_mass=0.1))
+
+
 @pytest.mark.parametrize('name', list(PRESETS))
 def test_every_preset_is_resolved(name):
     check_step(preset(name), H)

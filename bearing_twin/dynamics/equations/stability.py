@@ -164,12 +164,14 @@ def _check(motions: _Motions, h: float, *, snaps: bool = True) -> None:
     matrices = np.array([amplification(k, c, h, snaps=snaps) for _, k, c in motions])
     radii = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
     for index, (radius, (fastest, _, _)) in enumerate(zip(radii, motions, strict=True)):
-        if radius > 1.0 + 1e-9 or (index < 2 and fastest * h > _LARGEST_STEP):
+        resolved = index >= 2 or fastest * h <= _LARGEST_STEP
+        if radius > 1.0 + 1e-9 or not resolved:
             limit = _LARGEST_STEP / h / 2.0 / math.pi
+            grows = ', but make it grow' if resolved else ''
             msg = (
                 f'the fastest motion of these parameters is at {fastest / 2.0 / math.pi:.0f} Hz, '
-                f'and steps of {h * 1e6:.3g} us resolve up to {limit:.0f} Hz: use larger masses, '
-                'less stiffness or damping, or a higher sample rate'
+                f'and steps of {h * 1e6:.3g} us resolve up to {limit:.0f} Hz{grows}: use larger '
+                'masses, less stiffness or damping, or a higher sample rate'
             )
             raise BearingTwinError(msg)
 
