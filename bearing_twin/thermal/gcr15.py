@@ -210,7 +210,9 @@ class Beta0:
                     f'beta0={value:.3f} at {temperature:g} degC is outside '
                     f'{BETA0_LOW}..{BETA0_HIGH}: stiffness and spall depth would leave the '
                     f"model's validity; reduce delta_mu={self.delta_mu} (default 0.02) or "
-                    f'delta_h={self.delta_h} (default 0.10)'
+                    f'delta_h={self.delta_h} (default 0.10), or change what they are relative to: '
+                    f'reference_friction={self.reference_friction} (default 0.015), '
+                    f'reference_hardness={self.reference_hardness} (default 63.6)'
                 )
                 raise BearingTwinError(msg)
 
