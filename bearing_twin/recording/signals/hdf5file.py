@@ -8,7 +8,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.signals.reading import library, refuse_large
+from bearing_twin.recording.signals.reading import DEEPEST, library, refuse_large
 import numpy as np
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 
 SIGNATURE = b'\x89HDF\r\n\x1a\n'
-DEEPEST = 32
 MOST_OBJECTS = 10_000
 LONGEST_TEXT = 1000
 

@@ -18,7 +18,7 @@ import zlib
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.hdf5file import read_hdf5, SIGNATURE
-from bearing_twin.recording.signals.reading import MOST_UNPACKED, readable
+from bearing_twin.recording.signals.reading import DEEPEST, MOST_UNPACKED, readable
 import numpy as np
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-DEEPEST = 32
 MOST_FIELDS = 10_000
 HEADER = 128
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 MOST_UNPACKED = 1024 * 1024 * 1024
 """Most unpacked bytes that are read from a file."""
+DEEPEST = 32
+"""Most levels of structs in a file."""
 TORN = ' (the file ends before its header says)'
 """Remark on the source of a signal."""
 
