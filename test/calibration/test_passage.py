@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The passage of a ball over a defect, against its geometry; and the candidates simulated."""
 
+from dataclasses import replace
 import math
 
 from bearing_twin.bearing import Bearing, fault_frequencies, find_bearing
@@ -14,7 +15,7 @@ from bearing_twin.calibration.candidates.passage import (
     load_range,
     path_curvature,
 )
-from bearing_twin.dynamics import TwinParameters
+from bearing_twin.dynamics import Defect, TwinParameters
 from bearing_twin.dynamics.equations.coefficients import (
     CLEARANCE,
     CONDITION_SIZE,
@@ -22,27 +23,45 @@ from bearing_twin.dynamics.equations.coefficients import (
     evaluate,
     THERMAL_GAP,
 )
+from bearing_twin.dynamics.single.tables import defect_table
 from bearing_twin.thermal.network import ThermalNetwork
 from impact_trains import BEARING, RATE
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 
-def test_sinking_is_the_path_of_a_ball_over_an_edge():
-    """The centre of a ball on an edge moves on a circle about it; the law is its parabola."""
-    for place, sign in (('inner', 1.0), ('outer', -1.0)):
-        race = 0.5 * (BEARING.d_pitch - sign * BEARING.d_ball)
-        radius = 0.5 * BEARING.d_ball
-        s = 1e-4
-        # Edge of the slot at angle zero of the race; the ball has rolled past it by s.
-        angle = s / race
-        centre = race + sign * radius
-        # The distance from the edge stays the ball's radius.
-        along = race * math.cos(angle)
-        across = race * math.sin(angle)
-        root = math.sqrt(radius**2 - across**2)
-        now = along + sign * root
-        assert abs(now - centre) == pytest.approx(path_curvature(BEARING, place) * s * s, rel=1e-3)
+@pytest.mark.parametrize('degrees', [0.0, 40.0])
+@pytest.mark.parametrize(('place', 'sign'), [('inner', 1.0), ('outer', -1.0)])
+def test_sinking_is_the_path_of_a_ball_over_an_edge(place, sign, degrees):
+    """The ball touches one point of the edge while its centre sinks along the contact normal."""
+    bearing = replace(BEARING, contact_angle=math.radians(degrees))
+    c, sine = math.cos(bearing.contact_angle), math.sin(bearing.contact_angle)
+    radius, pitch, s = 0.5 * bearing.d_ball, 0.5 * bearing.d_pitch, 1e-4
+    # Edge of the slot at angle zero of the race; the ball has rolled past it by s.
+    race = pitch - sign * radius * c
+    turn = s / race
+
+    def to_edge(sunk):
+        across, axial = pitch - sign * sunk * c, (radius - sunk) * sine
+        around = across**2 + race**2 - 2.0 * across * race * math.cos(turn)
+        return math.sqrt(around + axial**2) - radius
+
+    sunk = brentq(to_edge, -1e-4, 1e-4, xtol=1e-15)
+    assert sunk == pytest.approx(path_curvature(bearing, place) * s * s, rel=1e-3)
+
+
+@pytest.mark.parametrize('name', ['6205', '7218B'])
+def test_the_passage_has_the_contacts_of_the_twin(name):
+    """The twin has gaps and approach along the radius; a ball loses contact at the same place."""
+    bearing, load = find_bearing(name), 1000.0
+    spalls = tuple(Defect(place=place, width=1e-3, depth=1e-4) for place in ('inner', 'outer'))
+    p = TwinParameters(bearing=bearing, defects=spalls)
+    approach = (4.37 * load / (bearing.n_balls * p.k_b0)) ** (2.0 / 3.0)
+    for row, place in zip(defect_table(p), ('inner', 'outer'), strict=True):
+        edge = interference(bearing, load) / path_curvature(bearing, place)
+        assert edge == pytest.approx(approach / row[f'{place}_curvature'])
+        assert row['depth'] / approach == pytest.approx(1e-4 / interference(bearing, load))
 
 
 def test_spacing_is_short_of_the_slot_by_what_the_interference_asks_for():

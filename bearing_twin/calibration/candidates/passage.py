@@ -4,10 +4,11 @@
 Passage of a ball over a defect: speed of the contact and spacing of the two impacts.
 
 The centre of a ball that rolls into a slot sinks by ``k s^2`` at the distance s from the edge,
-with ``k = 1/d + 1/D`` on the inner race and ``1/d - 1/D`` on the outer one (d ball, D race). The
-ball is unloaded where it has sunk by the interference of its loaded contacts, or it meets the
-bottom where it has sunk by the depth of the slot. It is loaded again at the same distance from the
-other edge. The two impacts are therefore closer than the slot is wide.
+with ``k = 1/d + cos(alpha)/D`` on the inner race and ``1/d - cos(alpha)/D`` on the outer one (d
+ball, D race, alpha contact angle). The ball is unloaded where it has sunk by the interference of
+its loaded contacts, or it meets the bottom where it has sunk by the depth of the slot. All three
+are along the contact normal. It is loaded again at the same distance from the other edge. The two
+impacts are therefore closer than the slot is wide.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.bearing import fault_frequencies, radial_factor
+from bearing_twin.bearing import fault_frequencies, load_deflection_factor
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.life import dynamic_rating
 
@@ -41,10 +42,11 @@ def path_curvature(bearing: Bearing, place: str) -> float:
     [158, 105]
 
     """
+    cosine = math.cos(bearing.contact_angle)
     across = bearing.gamma * bearing.d_pitch
     if place == 'inner':
-        return 1.0 / bearing.d_ball + 1.0 / (bearing.d_pitch - across)
-    return 1.0 / bearing.d_ball - 1.0 / (bearing.d_pitch + across)
+        return 1.0 / bearing.d_ball + cosine / (bearing.d_pitch - across)
+    return 1.0 / bearing.d_ball - cosine / (bearing.d_pitch + across)
 
 
 def contact_speed(bearing: Bearing, place: str, shaft_hz: float, slip: float = 0.0) -> float:
@@ -69,10 +71,11 @@ def contact_speed(bearing: Bearing, place: str, shaft_hz: float, slip: float = 0
 
 def interference(bearing: Bearing, load: float) -> float:
     """
-    Deformation of the most loaded ball without clearance, m: ``(4.37 W / (Z K))^(2/3)``.
+    Deformation of the most loaded ball without clearance, m.
 
-    Stribeck's share of the load W on one of Z balls (Harris and Kotzalas, Essential Concepts of
-    Bearing Technology, chapter 7), with the law F = K delta^1.5.
+    It is ``(4.37 W / (Z K cos(alpha)))^(2/3)``: Stribeck's share of the load W on one of Z balls
+    (Harris and Kotzalas, Essential Concepts of Bearing Technology, chapter 7), with the law
+    F = K delta^1.5 along the contact normal.
 
     Examples
     --------
@@ -81,7 +84,8 @@ def interference(bearing: Bearing, load: float) -> float:
     4.7
 
     """
-    share = 4.37 * load / (bearing.n_balls * radial_factor(bearing))
+    radial = math.cos(bearing.contact_angle)
+    share = 4.37 * load / (bearing.n_balls * load_deflection_factor(bearing) * radial)
     return float(share ** (2.0 / 3.0))
 
 
