@@ -9,19 +9,19 @@ import functools
 import math
 from typing import TYPE_CHECKING
 
-from bearing_twin.dynamics import preset
+from bearing_twin.dynamics import Defect, preset, TwinParameters
 from bearing_twin.dynamics.equations.stability import steps, system_matrices
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims.claim import Claim, percents, same_direction, within
-from bearing_twin.paper.dimensions import derived, dimension
+from bearing_twin.paper.dimensions import dimension
 from bearing_twin.paper.settings import COLD, HOT
+from bearing_twin.quantity import quantities
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
 if TYPE_CHECKING:
-    from bearing_twin.dynamics import TwinParameters
     from bearing_twin.paper.study import Study
 
 
@@ -164,31 +164,10 @@ def _geometry_claims() -> list[Claim]:
 
 
 def _dimension_claims() -> list[Claim]:
-    p = preset('paper', bearing=settings.BEARING)
-    y, angle = static_position(p), -math.pi / 2
-
-    def bracket(y: float, clearance: float, depth: float) -> float:
-        theta = np.array([angle])
-        return float(equations.deformation_eq8(0.0, y, theta, clearance, depth)[0])
-
-    def newton(k_b: float, deformation: float, mass: float) -> float:
-        return float(equations.ball_forces(np.array([deformation]), k_b)[0] / mass)
-
-    def subtracted(unit: str) -> bool:
-        """Whether C_d in ``unit`` can stand in the bracket of equation 8."""
-        depth = (0.1 * abs(y), unit)
-        quantities = {'y': (y, 'm'), 'clearance': (p.clearance, 'm'), 'depth': depth}
-        return derived(bracket, quantities) is not None
-
-    acceleration = derived(
-        newton,
-        {
-            'k_b': (p.k_b0, 'N/m^1.5'),
-            'deformation': (settings.APPROACH, 'm'),
-            'mass': (p.outer_mass, 'kg'),
-        },
-    )
     damping, drawn = settings.C_D_UNIT, settings.AMPLITUDE_UNIT
+    acceleration = dimension('N/kg')
+    depth = quantities(Defect)['depth'][1].unit
+    length = dimension(quantities(TwinParameters)['clearance'][1].unit)
     return [
         Claim(
             id='c-d-is-a-depth',
@@ -196,14 +175,16 @@ def _dimension_claims() -> list[Claim]:
             claim="'friction damping C_d' is subtracted from the clearance",
             paper_value=f'damping, {damping}',
             our_value={
-                f'homogeneous, C_d in {unit}': subtracted(unit)
-                for unit in dict.fromkeys((damping, 'm'))
+                f'exponents of kg, m, s, A in {unit}': dimension(unit)
+                for unit in dict.fromkeys((damping, depth))
             },
-            as_printed={f'C_d a damping, {damping}': subtracted(damping)},
-            as_read={'C_d the depth of the spall, m, b its switch': subtracted('m')},
+            as_printed={f'C_d a damping, {damping}': dimension(damping) == length},
+            as_read={
+                f'C_d the depth of the spall, {depth}, b its switch': dimension(depth) == length
+            },
             why=(
-                'Rule: the bracket of equation 8, evaluated in other units of kg, m, s and A, '
-                'scales as one dimension. Equation 8 is the published defect '
+                'Rule: what is subtracted from x, y and c_r is a length, as they are. Equation 8 '
+                'is the published defect '
                 'model with depth C_d and switch beta (Feng; Sawalhi and Randall; Mishra 2017). '
                 "Section 3 also calls K_b, a stiffness, 'friction damping'."
             ),
@@ -216,9 +197,8 @@ def _dimension_claims() -> list[Claim]:
             our_value={'exponents of kg, m, s, A': acceleration},
             as_printed=None if drawn is None else {drawn: dimension(drawn) == acceleration},
             why=(
-                'Rule: the unit has the dimension of F/m, equation 19, found by evaluating it '
-                'with equation 6 in other units. t, V and T name the axes; no unit and no '
-                'sensitivity is given.'
+                'Rule: the unit has the dimension of F/m, equation 19. t, V and T name the axes; '
+                'no unit and no sensitivity is given.'
             ),
         ),
     ]
