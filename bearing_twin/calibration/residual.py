@@ -261,39 +261,6 @@ class Residual:
             found, number=max(found.number, 0.0), reason='the twin explains its machine'
         )
 
-    def numbers(self, differences: npt.ArrayLike) -> FloatArray:
-        """
-        Return the numbers that :meth:`judge` gives for many decisions in a row, shape (n,).
-
-        The differences, machine minus twin, dB, are in the learnt bands, shape (n, m). A number is
-        NaN where :meth:`judge` gives none.
-
-        Raises
-        ------
-        BearingTwinError
-            If too few decisions were learnt.
-
-        Examples
-        --------
-        >>> rng = np.random.default_rng(1)
-        >>> residual = Residual()
-        >>> for _ in range(200):
-        ...     residual.learn(('10 Hz', 'order 1'), rng.standard_normal(2))
-        >>> bool(residual.numbers(rng.standard_normal((1000, 2)))[2:].max() < 1.0)
-        True
-
-        """
-        if len(self.rows) < LEAST:
-            msg = f'{len(self.rows)} healthy decisions; a limit needs {LEAST}: learn more'
-            raise BearingTwinError(msg)
-        self._learn_limits()
-        rows = np.asarray(np.asarray(differences, np.float32), np.float64)
-        found = np.full(len(rows), math.nan)
-        for table, limits in zip((rows, _steps(rows)), self._limits, strict=False):
-            newest = found[len(rows) - len(table) :]
-            newest[:] = np.fmax(newest, limits.numbers(table))
-        return found
-
     def _learn_limits(self) -> None:
         if not self._limits:
             rows = np.array(self.rows, np.float64)
@@ -453,23 +420,6 @@ class _Limits:
         # Without a run, tell how far the band is on the other side.
         newest = held[LEAST_RUN - 1]
         found: FloatArray = np.where(newest < 0.0, newest, shares.max(axis=0, initial=0.0))
-        return found
-
-    def numbers(self, table: FloatArray) -> FloatArray:
-        """Return the largest share of a limit at each decision, shape (n,); NaN: not judged."""
-        judged = np.flatnonzero(np.isfinite(self.centre))
-        found = np.full(len(table), 0.0 if len(judged) else math.nan)
-        beyond = self._beyond(table)
-        for band in judged:
-            sides = np.ascontiguousarray(beyond[:, :, band].T)
-            for size, raised in zip(self.windows[:, band], self.raised[:, band], strict=True):
-                if size > min(HISTORY, len(table)):
-                    break
-                held = scipy.ndimage.minimum_filter1d(
-                    sides, size, mode='constant', origin=(size - 1) // 2
-                )
-                np.maximum(found, held.max(axis=0) / raised, out=found)
-        found[: LEAST_RUN - 1] = math.nan
         return found
 
     def _beyond(self, table: FloatArray) -> FloatArray:

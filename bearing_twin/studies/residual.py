@@ -159,7 +159,7 @@ def false_alarms(kind: str, learnt: int, machines: int, *, seed: int) -> NDArray
         residual = Residual()
         for row in drawn[:learnt]:
             residual.learn(names, row)
-        numbers.append(residual.numbers(drawn[learnt:]))
+        numbers.append([residual.judge(names, row).number for row in drawn[learnt:]])
     return np.array(numbers)
 
 

@@ -67,26 +67,6 @@ def test_healthy_decisions_that_were_not_learnt_from_stay_below(kind, learnt):
     assert 0.0 < np.nanmax(numbers) < 1.0
 
 
-@pytest.mark.parametrize('kind', HEALTHY)
-@pytest.mark.parametrize('learnt', [30, 300])
-def test_many_decisions_at_once_are_judged_as_one_by_one(kind, learnt):
-    rng = np.random.default_rng(5)
-    drawn = HEALTHY[kind](rng, (learnt + 500, 16))
-    drawn[learnt + 200 :, 3] += 90.0
-    residual, names = Residual(), tuple(map(str, range(16)))
-    for row in drawn[:learnt]:
-        residual.learn(names, row)
-    together = residual.numbers(drawn[learnt:])
-    each = [residual.judge(names, row).number for row in drawn[learnt:]]
-    assert together == pytest.approx(each, abs=1e-9, nan_ok=True)
-    assert np.nanmax(together) > 1.0
-
-
-def test_numbers_before_a_limit_is_known_are_refused():
-    with pytest.raises(BearingTwinError, match='0 healthy decisions; a limit needs 30'):
-        Residual().numbers(np.zeros((3, 2)))
-
-
 def test_a_long_tail_needs_three_decisions():
     """The first decisions of a run were an alarm each where a tail was long."""
     residual, names = Residual(), ('10 Hz',)
