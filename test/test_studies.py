@@ -20,7 +20,6 @@ from bearing_twin.studies import (
     impact_machines,
     low_ringing,
     reliability,
-    short_snapshots,
     twin_machines,
 )
 from bearing_twin.studies.generalisation import judge_case
@@ -29,17 +28,6 @@ import pytest
 from scipy import special
 
 PACKAGE = Path(bearing_twin.diagnosis.__file__).parent
-
-
-@pytest.mark.proof
-def test_short_snapshots_of_damaged_machines_are_suspect_together_and_sound_ones_are_not(capsys):
-    short_snapshots.main(['50'])
-    cells = [line.split(' | ') for line in capsys.readouterr().out.splitlines()[2:]]
-    suspect = {row[0].strip('| '): (int(row[4]), int(row[5].strip(' |'))) for row in cells}
-    assert suspect['none'] == suspect['cage'] == (0, 0)
-    # Each is suspect at the place that is damaged.
-    assert all(count == right for count, right in suspect.values())
-    assert sum(count for count, _ in suspect.values()) > 3
 
 
 def test_false_alarms_of_a_disturbed_series_are_those_of_the_chain_of_runs():

@@ -54,7 +54,7 @@ harmonics: 3 dB of power. The sidebands of a load that varies as 1 + cos are 6 d
 MISSING = 0.25
 """Height of harmonics, relative to that of their multiples, below which they are missing: half of
 ``_SHARE``, because one or two harmonics of a faint comb are uncertain by half their height. Pulses
-at a multiple of an order are below it, faults are not (studies.half_pulses)."""
+at a multiple of an order are below it, faults are not."""
 
 _APART = 2.0
 """Least difference between sideband heights at two spacings, standard deviations."""

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 PER_KELVIN = (-0.016, 0.05)
 """Mean and standard deviation of the change of level with temperature, dB/K, over healthy bearings
 with perfect surfaces simulated in the physical mode: from -0.095 to +0.112 (``python -m
-bearing_twin.studies.temperature prior``). With the waviness of the presets it is -0.012 to -0.002
-in three such bearings, within the same standard deviation."""
+bearing_twin.studies.temperature``). With the waviness of the presets it is -0.012 to -0.002 in
+three such bearings, within the same standard deviation."""
 PER_OCTAVE = (10.0, 4.0)
 """Mean and standard deviation of the change of level with speed, dB per doubling. The machine
 around a bearing is not simulated, so the standard deviation is doubled."""
@@ -47,8 +47,7 @@ KNOWN_DB = 1.0
 a law is known."""
 WIDENED = 1.2
 """Factor on the standard deviations: with it the 90 % intervals cover 90 to 94 % of the slopes of
-simulated machines, whose autocorrelation is estimated as well (``python -m
-bearing_twin.studies.temperature coverage``)."""
+simulated machines, whose autocorrelation is estimated as well."""
 LEAST_ROWS = 30
 MOST_ROWS = 256
 """Most rows that are kept; at this number every second one is dropped."""

@@ -11,7 +11,7 @@ from bearing_twin.diagnosis.combs.harmonics import CombHarmonics, MISSING
 from bearing_twin.diagnosis.combs.sidebands import CombSidebands
 from bearing_twin.diagnosis.signal.lines import NEUTRAL
 from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
-from bearing_twin.studies.half_pulses import measured
+from half_pulses import measured
 import numpy as np
 import pytest
 
@@ -188,7 +188,7 @@ def test_harmonics_beyond_the_spectrum_are_not_counted_as_noise(rng):
 
 
 def test_pulses_at_twice_the_order_of_a_race_are_no_alarm_and_faults_are():
-    """Some of the records of the study that the limit of missing harmonics rests on."""
+    """The limit of missing harmonics rests on such records."""
     pulses = [found for n in range(20, 40) if (found := measured('pulses', n))]
     assert len(pulses) > 6
     assert not any(alarm for _, alarm in pulses)

@@ -234,16 +234,6 @@ def test_simulated_bearings_get_louder_and_quieter_with_temperature(monkeypatch)
     assert 4.0 < np.median(octaves) < 16.0
 
 
-def test_table_of_a_run_to_failure(data_dir, tmp_path):
-    (tmp_path / 'femto').mkdir()
-    for name in ('femto_Bearing3_1_V.npz', 'femto_Bearing3_1_trend.npz'):
-        (tmp_path / 'femto' / name).symlink_to(data_dir / 'femto' / name)
-    rows = list(temperature.run_table(tmp_path))
-    assert [row[:2] for row in rows] == [('3_1 V', 'settled'), ('3_1 V', 'first 10 min')]
-    assert all(row[2:5] == (0, 0, 0) for row in rows)
-    assert all(float(lead) > 0.03 for row in rows for lead in row[5:8])
-
-
 def test_a_record_that_is_thinned_out_keeps_both_speeds_of_a_machine_that_alternates():
     record = HealthyRecord()
     for number in range(5000):

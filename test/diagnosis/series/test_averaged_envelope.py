@@ -3,7 +3,8 @@
 """Envelopes of many short snapshots, averaged: noise, unit, and the place that they show."""
 
 from bearing_twin.bearing import Bearing, fault_orders, find_bearing
-from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, BANDS
+from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, BANDS, LEAST_AVERAGED
+from bearing_twin.studies import impact_machines
 import numpy as np
 import pytest
 
@@ -140,3 +141,19 @@ def test_a_race_beside_whole_orders_shows_by_its_third_harmonic(turns):
     assert comb is not None
     assert comb.place == 'outer'
     assert comb.order == pytest.approx(order, abs=0.02)
+
+
+@pytest.mark.proof
+def test_damaged_machines_are_suspect_from_the_first_short_snapshots_on_and_sound_ones_are_not():
+    """Records of machines, each cut into as many snapshots as an average needs."""
+    suspect = []
+    for case in map(impact_machines.draw, range(50)):
+        # Below 8 kHz a series has hardly a band.
+        if case.sample_rate >= 8000.0:
+            average = AveragedEnvelope()
+            for x in np.array_split(impact_machines.record(case), LEAST_AVERAGED):
+                average.add(x - x.mean(), case.sample_rate, case.given_hz)
+            if comb := average.strong(case.geometry, case.given_hz):
+                suspect.append((case.condition, comb.place))
+    assert len(suspect) > 3
+    assert all(condition == place != 'cage' for condition, place in suspect)

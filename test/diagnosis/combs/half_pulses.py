@@ -1,52 +1,28 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Pulses at twice the order of a race, compared with faults of that race: basis of ``MISSING``.
+Pulses at twice the order of a race, and faults of that race: the limit ``MISSING`` parts them.
 
-``python -m bearing_twin.studies.half_pulses [RECORDS [FIRST]]`` draws RECORDS (200) of each of
-three kinds, from number FIRST (0) on:
-
-- pulses at twice the order of a race, whose heights scatter by 25 % and vary by up to a half with
-  the shaft (eccentricity);
-- faults of the race;
-- faults that strike twice, at both edges of a long spall. The second impact comes half a gap after
-  the first and has 0.5 to 0.8 of its height, so that the odd harmonics are weak.
-
-It looks at the records whose harmonics are strong enough for a fault, in the bands where the
-series of pulses is highest. It prints the height of the odd harmonics over that of the even ones,
-how many records are called pulses, and how many raise an alarm.
+The heights of pulses scatter by 25 % and vary by up to a half with the shaft (eccentricity). A
+fault with two edges strikes twice: the second impact comes half a gap after the first and has 0.5
+to 0.8 of its height, so that the odd harmonics are weak.
 """
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
-from bearing_twin.diagnosis.combs.harmonics import MISSING
 from bearing_twin.diagnosis.combs.search import CombSearch
 from bearing_twin.diagnosis.rules.evidence import Evidence
 from bearing_twin.diagnosis.rules.table import decide
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, Z_FAULT
-from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 from scipy import signal
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-
-KINDS = ('pulses', 'fault', 'two edges')
 BEARINGS = ('6205', '6307', '6308', '6203', '6318')
 RATES = (12800.0, 25600.0, 51200.0)
 
 
-def _train(
-    kind: str, order: float, turns: float, rng: np.random.Generator
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _train(kind, order, turns, rng):
     """Return the times of the impacts, in turns of the shaft, and their heights."""
     per_turn = 2.0 * order if kind == 'pulses' else order
     count = int(turns * per_turn)
@@ -60,11 +36,11 @@ def _train(
     return (np.concatenate((places, places + 0.5 / per_turn)), np.concatenate((heights, second)))
 
 
-def measured(kind: str, number: int) -> tuple[float, bool] | None:
+def measured(kind, number):
     """
     Return odd over even harmonics of a record, and whether it raises an alarm; None if too weak.
 
-    A number is always the same record.
+    ``kind`` is 'pulses', 'fault' or 'two edges'. A number is always the same record.
     """
     rng = np.random.default_rng([2031, number])
     bearing, place = find_bearing(str(rng.choice(BEARINGS))), str(rng.choice(('outer', 'inner')))
@@ -88,24 +64,3 @@ def measured(kind: str, number: int) -> tuple[float, bool] | None:
         return None
     verdict = decide(Evidence(combs, found.revolutions))
     return combs.harmonics.unshared_height(comb.order, 2), verdict.level == 'fault'
-
-
-def main(argv: Sequence[str] | None = None) -> None:
-    """Print the table."""
-    args = arguments(__name__, records=200, first=0).parse_args(argv)
-    numbers = range(args.first, args.first + args.records)
-    rows = []
-    for kind in KINDS:
-        found = np.array(
-            [row for row in (measured(kind, n) for n in numbers) if row and np.isfinite(row[0])]
-        )
-        quantiles = np.quantile(found[:, 0], (0.01, 0.05, 0.5, 0.95, 0.99))
-        below = f'{100.0 * (found[:, 0] < MISSING).mean():.1f} %'
-        cells = (f'{v:.2f}' for v in quantiles)
-        rows.append((kind, len(found), *cells, below, int(found[:, 1].sum())))
-    heading = ('kind', 'records', '1 %', '5 %', 'median', '95 %', '99 %', f'below {MISSING:g}')
-    print_table((*heading, 'alarms'), rows)
-
-
-if __name__ == '__main__':
-    main()
