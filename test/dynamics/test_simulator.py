@@ -10,8 +10,8 @@ from bearing_twin.dynamics.equations.statics import force_and_stiffness, healthy
 from bearing_twin.dynamics.parameters import Defect, PROFILES
 from bearing_twin.dynamics.reference import solve
 from bearing_twin.dynamics.single.kernel import FAST_HZ
+from bearing_twin.dynamics.trend import impact_amplitude
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.thermal.gcr15 import Beta0
 from bearing_twin.thermal.network import ThermalNetwork
 from cases import in_proofs
 import numpy as np
@@ -366,27 +366,11 @@ def test_shaft_angle_is_the_integral_of_a_ramped_speed():
 
 
 def amplitude(parameters, temperature):
-    """Mean of the largest fifth of the maxima of each impact, over 3 s."""
+    """Impact amplitude over 3 s, m/s^2."""
     simulator = Simulator(parameters, temperature=temperature)
     simulator.advance(int(0.3 * RATE), temperature, 25.4)
-    y = simulator.advance(int(3.0 * RATE), temperature, 25.4).y.astype(float)
-    period = round(RATE / 126.337)
-    maxima = np.abs(y - y.mean())[: len(y) // period * period].reshape(-1, period).max(axis=1)
-    return np.sort(maxima)[-len(maxima) // 5 :].mean()
-
-
-@pytest.mark.parametrize(('name', 'sign'), [('paper', -1.0), ('incipient', 1.0)])
-def test_trends_of_the_paper_hold_for_the_preset_paper_and_reverse_for_incipient(name, sign):
-    change = {}
-    for factor in ('expansion', 'hardness', 'friction', 'all'):
-        on = {f: factor in (f, 'all') for f in ('expansion', 'hardness', 'friction')}
-        parameters = quiet(name, slip_model='none', resonance_hz=0.0, beta0=Beta0(**on))
-        change[factor] = amplitude(parameters, 110.0) / amplitude(parameters, 20.0) - 1.0
-    assert sign * change['expansion'] > 0.0
-    assert sign * change['hardness'] < 0.0
-    assert sign * change['friction'] > 0.0
-    assert sign * change['all'] > 0.0
-    assert abs(change['friction']) > 3.0 * max(abs(change['expansion']), abs(change['hardness']))
+    y = simulator.advance(int(3.0 * RATE), temperature, 25.4).y
+    return impact_amplitude(y, RATE, 126.337)
 
 
 def test_a_hotter_inner_ring_closes_the_clearance_and_weakens_the_impacts():
@@ -423,12 +407,6 @@ def test_life_falls_with_temperature(mode):
         return Simulator(parameters, temperature=temperature).condition().life_hours
 
     assert life(20.0) > 5.0 * life(110.0) > 0.0
-
-
-def test_no_life_where_the_standard_makes_no_statement():
-    slow = Simulator(quiet(), temperature=110.0, shaft_hz=0.2).condition()
-    assert slow.kappa < 0.1
-    assert math.isnan(slow.life_hours)
 
 
 @pytest.mark.parametrize('profile', [p for p in PROFILES if p != 'ball'])
