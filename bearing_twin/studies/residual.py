@@ -3,28 +3,23 @@
 """
 False alarms and smallest detected changes of :mod:`bearing_twin.calibration.residual`.
 
-``python -m bearing_twin.studies.residual [MACHINES] [--seed N] [--data FOLDER]`` simulates
-MACHINES machines of each kind. The residual of each learns healthy decisions and judges 1000 new
-ones. Then the study finds the smallest change that nine of ten machines show. With the folder of
-the real recordings it also judges the first halves of FEMTO's longest runs, in which a rig warms
-up.
+``python -m bearing_twin.studies.residual [MACHINES] [--seed N]`` simulates MACHINES machines of
+each kind. The residual of each learns healthy decisions and judges 1000 new ones. Then the study
+finds the smallest change that nine of ten machines show.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.residual import (
     DAY,
     DECISIONS_A_YEAR,
-    LEAST,
     Residual,
     spectral_levels,
 )  # fmt: skip
-from bearing_twin.recording.signals.snapshots import read_snapshots
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
@@ -44,8 +39,6 @@ RATE, SECONDS, MACHINE_HZ = 12800.0, 4.0, 24.0
 LEARNT = (30, 100, 300, 1000, 10000)
 """Numbers of healthy decisions; of the largest one, only a day's decisions are learnt."""
 BANDS = 64
-JOINED = 20
-"""Snapshots per decision: 2 s of vibration in three minutes."""
 WITHIN = (10, 60)
 """Decisions within which a change has to be an alarm."""
 TRIALS = 40
@@ -233,37 +226,10 @@ def smallest(change: str, learnt: int) -> str:
     return ', '.join(least.values())
 
 
-def real_runs(data: Path) -> Iterator[tuple[object, ...]]:
-    """
-    Yield run, decisions learnt and judged, alarms, and largest number of the first half of runs.
-
-    Twenty snapshots of 0.1 s, 10 s apart, are one decision. The spectrum of the twin is left out,
-    because it is constant at one speed. Runs too short for a limit are left out.
-    """
-    for path in sorted((data / 'femto').glob('femto_*_[HV].npz')):
-        trend = path.with_name(f'{path.stem[:-1]}trend.npz')
-        snapshots = [snap.signal for snap in read_snapshots([path, trend])]
-        half = len(snapshots) // 2 // JOINED
-        residual, numbers, learnt = Residual(), [], max(LEAST, half // 2)
-        for number in range(half):
-            part = snapshots[JOINED * number : JOINED * (number + 1)]
-            x = np.concatenate([signal.x - signal.x.mean() for signal in part])
-            names, levels = spectral_levels(x, part[0].sample_rate, part[0].shaft_hz)
-            if number < learnt:
-                residual.learn(names, levels)
-            else:
-                numbers.append(residual.judge(names, levels).number)
-        if numbers:
-            run = path.stem.removeprefix('femto_Bearing').replace('_', ' ')
-            alarms = sum(number >= 1.0 for number in numbers)
-            yield run, learnt, len(numbers), alarms, f'{np.nanmax(numbers):.2f}'
-
-
 def main(argv: Sequence[str] | None = None) -> None:
     """Print the tables."""
     parser = arguments(__name__, machines=30)
     parser.add_argument('--seed', type=int, default=1, help='of the healthy machines')
-    parser.add_argument('--data', type=Path, help='folder that holds femto/')
     args = parser.parse_args(argv)
     print_table(
         (
@@ -274,9 +240,6 @@ def main(argv: Sequence[str] | None = None) -> None:
     )  # fmt: skip
     print()
     print_table(('learnt', *(f'{change}, dB' for change in SIZES), 'drift, dB lost'), powers())
-    if args.data:
-        print()
-        print_table(('run', 'learnt', 'judged', 'alarms', 'largest number'), real_runs(args.data))
 
 
 def rates(machines: int, seed: int) -> Iterator[tuple[object, ...]]:
