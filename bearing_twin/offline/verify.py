@@ -20,7 +20,6 @@ from bearing_twin.offline.diagnosis_check import DiagnosisCheck, HORIZON
 from bearing_twin.offline.twin_check import FleetCheck, TwinCheck
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.mcap.catalogue import known_fields
-from bearing_twin.recording.mcap.schema import other_version
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.topics import CHECKPOINT, DIAGNOSIS, DIAGNOSTICS, TWIN_STATE, VIBRATION
 from bearing_twin.streams.ahead import ahead
@@ -100,20 +99,16 @@ class _Messages:
         self._twice: Counter[str] = Counter()
 
     def __iter__(self) -> Iterator[RecordedMessage]:
-        """Yield the messages of twins and diagnoses; note those of another version."""
+        """Yield the messages of twins and diagnoses."""
         for message in _in_order_of_sending(self._messages):
-            topic, type_name = message.topic, message.type_name
-            if type_name == DIAGNOSTICS:
+            topic = message.topic
+            if message.type_name == DIAGNOSTICS:
                 self._early.update(sent_before(message.decode()))
                 continue
             if self._last.get(topic) == message.cdr:
                 # Each message has its own stamp, so an identical one is a duplicate.
                 self._twice[topic] += 1
                 continue
-            if topic not in self._last and (
-                other := other_version(type_name, message.channel.schema)
-            ):
-                self._result.notes.append(f'{topic}: {other}')
             self._last[topic] = message.cdr
             yield message
 
@@ -180,7 +175,7 @@ class _Twins:
         topic = message.topic
         if topic not in self._sources:
             namespace, _, name = topic.rpartition('/')
-            own = name == 'vibration' and getattr(message.decode(), 'source', 0) != SOURCE_MEASURED
+            own = name == 'vibration' and message.decode().source != SOURCE_MEASURED
             self._sources[topic] = self._twin(namespace) if own else TwinCheck(topic, self._result)
         return self._sources[topic]
 

@@ -95,8 +95,7 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
         sample_rate=rate,
         shaft_hz=shaft if 0.0 <= shaft <= FASTEST_SHAFT else math.nan,
         unit=str(message.unit)[:32],
-        # Recordings of older versions lack the field.
-        simulated=getattr(message, 'source', SOURCE_UNKNOWN) == SOURCE_SIMULATED,
+        simulated=message.source == SOURCE_SIMULATED,
         stamp=stamp_ns(message.header.stamp),
         frame_id=message.header.frame_id,
     )

@@ -8,7 +8,6 @@ import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing.vocabulary import PLACES
-from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import impacts, pretty
 import numpy as np
 
@@ -206,20 +205,19 @@ class OverTemperature:
 
     def state(self, message: Any) -> None:
         """Add the slip and the impact frequencies of the defects of a TwinState."""
-        temperature = recorded(message, 'temperature_used')
-        said = str(getattr(message, 'defect', ''))
-        places = [part.partition(':')[0].strip() for part in said.split('+')]
+        temperature = float(message.temperature_used)
+        places = [part.partition(':')[0].strip() for part in str(message.defect).split('+')]
         defect = '+'.join(places)
         if defect != self._defect and self._defect is not None:
             # These changes come from the defect, not from the temperature.
             self.forget()
         self._defect, self._first = defect, places[0]
-        self._turn(recorded(message, 'shaft_hz'))
+        self._turn(float(message.shaft_hz))
         if self._now is None:
             return
         for place in sorted(set(places) & set(PLACES)):
             self._now.add(f'frequency {place}', temperature, impacts(message, place))
-        self._now.add('slip', temperature, 100.0 * recorded(message, 'slip'))
+        self._now.add('slip', temperature, 100.0 * message.slip)
 
     def diagnosis(self, message: Any) -> None:
         """Add the fault frequency of a Diagnosis if it names the place that was named first."""
@@ -227,7 +225,7 @@ class OverTemperature:
         if place in PLACES:
             self._found = self._found or place
         if self._defect is None:
-            self._turn(recorded(message, 'shaft_hz'))
+            self._turn(float(message.shaft_hz))
         if place == self._found and self._now is not None:
             self._now.add('found', float(message.temperature), float(message.fault_hz))
 

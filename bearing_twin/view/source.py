@@ -12,7 +12,7 @@ from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.geometry import fault_orders
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
-from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED, SOURCE_UNKNOWN
+from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED
 from bearing_twin.view.trends import zone_limits
 
 if TYPE_CHECKING:
@@ -34,9 +34,9 @@ class Source:
         self._sources: set[int] = set()
 
     def vibration(self, message: Any) -> None:
-        """Take a Vibration message; one of another version may lack the field."""
+        """Take a Vibration message."""
         self.frame = str(message.header.frame_id)
-        self._sources.add(int(getattr(message, 'source', SOURCE_UNKNOWN)))
+        self._sources.add(int(message.source))
 
     def forget_vibration(self) -> None:
         """Forget the vibration messages taken so far."""

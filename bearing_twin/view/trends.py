@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.machine.level import FAULT_DB, SUSPECT_DB
 from bearing_twin.diagnosis.signal.severity import ISO_LIMITS, least_limits
@@ -14,27 +14,21 @@ from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, Z_CAGE
 from bearing_twin.view.style import Colour, FAMILIES, LINE
 import numpy as np
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
-def recorded(message: Any, field: str, index: int | None = None) -> float:
+
+def element(values: Sequence[float], index: int) -> float:
     """
-    Return a number of a message, or an element of a list of numbers.
-
-    NaN if the message has no such field, element or number: a recording contains its own type
-    definitions, which may be older or newer than those of this version.
+    Return an element of a list of numbers of a message; NaN if the list is shorter.
 
     Examples
     --------
-    >>> from types import SimpleNamespace
-    >>> state = SimpleNamespace(beta0=1.02, score=[7.0])
-    >>> recorded(state, 'beta0'), recorded(state, 'score', 0), recorded(state, 'kappa')
-    (1.02, 7.0, nan)
+    >>> element([7.0], 0), element([], 0)
+    (7.0, nan)
 
     """
-    try:
-        value = getattr(message, field)
-        return float(value if index is None else value[index])
-    except (AttributeError, IndexError, TypeError, ValueError):
-        return math.nan
+    return float(values[index]) if index < len(values) else math.nan
 
 
 class Trend(NamedTuple):
@@ -61,12 +55,16 @@ class Trend(NamedTuple):
 
     def value(self, message: Any) -> float:
         """Return the plotted value of a message; NaN if the quantity does not exist."""
-        value = self.scale * recorded(message, self.field, self.element)
+        value = self.scale * self._number(message, self.field)
         field, scale = self.other
         if not field:
             return value
         # min() of a number and NaN may be the number, but the lower one is then not known.
-        return float(np.minimum(value, scale * recorded(message, field, self.element)))
+        return float(np.minimum(value, scale * self._number(message, field)))
+
+    def _number(self, message: Any, field: str) -> float:
+        value = getattr(message, field)
+        return float(value) if self.element is None else element(value, self.element)
 
 
 class Limit(NamedTuple):

@@ -21,7 +21,7 @@ from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT, RIVAL,
 from bearing_twin.quantity import signed
 from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_NONE, LEVEL_OK, LEVEL_SUSPECT
 from bearing_twin.stamps import stamp_ns, time_unit
-from bearing_twin.view.trends import recorded
+from bearing_twin.view.trends import element
 
 LOUDER = (
     'find the cause of the high vibration: balance, alignment, looseness, lubrication, bearing; '
@@ -30,7 +30,7 @@ LOUDER = (
 """Next step where the level has risen, or is in zone C, and the answer is *suspect*."""
 SUSTAINED = 3
 """Number of consecutive windows after which a verdict is sustained."""
-RANKS: dict[float, int] = {LEVEL_NONE: 0, LEVEL_OK: 1, LEVEL_SUSPECT: 2, LEVEL_FAULT: 3}
+RANKS = {LEVEL_NONE: 0, LEVEL_OK: 1, LEVEL_SUSPECT: 2, LEVEL_FAULT: 3}
 CLOSE = 0.02
 """Relative distance within which a line may be a sideband: the range of slip."""
 
@@ -39,7 +39,7 @@ def title_of(diagnosis: Any) -> str:
     """Return the heading of a verdict: its result and the places that it names."""
     result = str(diagnosis.result_name)
     title = TITLES.get(result, result)
-    places = [name_of(place) for place in getattr(diagnosis, 'faults', ()) if place in PLACES]
+    places = [name_of(place) for place in diagnosis.faults if place in PLACES]
     if result in PLACES and len(places) > 1:
         return f'{" and ".join(places)} fault'.capitalize()
     if result in ('suspect', 'ambiguous') and places:
@@ -70,8 +70,8 @@ def number(value: float, unit: str = '') -> str:
 
 def impacts(message: Any, place: str) -> float:
     """Return the impact frequency of a defect, Hz, from a message with the four frequencies."""
-    names = ('bpfo', 'bpfi', 'bsf', 'ftf')
-    return FaultFrequencies(*(recorded(message, name) for name in names)).impacts(place)
+    frequencies = FaultFrequencies(message.bpfo, message.bpfi, message.bsf, message.ftf)
+    return float(frequencies.impacts(place))
 
 
 def shaft_speed(diagnosis: Any) -> str:
@@ -86,8 +86,7 @@ def shaft_speed(diagnosis: Any) -> str:
 
 def judged_by_velocity(diagnosis: Any) -> bool:
     """Whether a verdict depends on its velocity: by a zone, or urgently by zone D of all."""
-    zone = str(getattr(diagnosis, 'iso_zone', ''))
-    return bool(zone) or is_urgent('', recorded(diagnosis, 'velocity_rms'))
+    return bool(diagnosis.iso_zone) or is_urgent('', diagnosis.velocity_rms)
 
 
 def next_step(diagnosis: Any) -> str:
@@ -95,13 +94,13 @@ def next_step(diagnosis: Any) -> str:
     result = str(diagnosis.result_name)
     # If a place is named, its combs alone may have raised the level; the stage has the rest.
     level = 'fault' if diagnosis.level == LEVEL_FAULT and result not in PLACES else ''
-    rule = str(getattr(diagnosis, 'rule', ''))
+    rule = str(diagnosis.rule)
     # A lasting rise raises a healthy answer too.
     by_level = _is_louder(diagnosis) or (rule in HEALTHY and result != 'healthy')
     step = next_step_of(
         result,
         _stage(diagnosis),
-        urgent=is_urgent(level, recorded(diagnosis, 'velocity_rms'), _stage(diagnosis)),
+        urgent=is_urgent(level, diagnosis.velocity_rms, _stage(diagnosis)),
         standing=shaft_speed(diagnosis) == 'standing',
         tells=(LOUDER if result == 'suspect' else '') if by_level else TELLS.get(rule, ''),
     )
@@ -110,21 +109,19 @@ def next_step(diagnosis: Any) -> str:
 
 def _is_louder(diagnosis: Any) -> bool:
     """Whether the level has doubled or is in zone C or D: then more is asked than the cause."""
-    over = recorded(diagnosis, 'level_over_baseline')
-    return over >= SUSPECT_DB or str(getattr(diagnosis, 'iso_zone', '')) in ('C', 'D')
+    return diagnosis.level_over_baseline >= SUSPECT_DB or diagnosis.iso_zone in ('C', 'D')
 
 
 def _stage(diagnosis: Any) -> int:
     """Return the stage of a verdict; 0 if it has none or an invalid one."""
-    stage = recorded(diagnosis, 'stage')
-    return int(stage) if stage in range(len(STAGES)) else 0
+    return int(diagnosis.stage) if diagnosis.stage in range(len(STAGES)) else 0
 
 
 def confidence(diagnosis: Any) -> tuple[str, str]:
     """Return the confidence of a verdict and its claim; both '' if it makes no statement."""
-    sure, faults = float(diagnosis.confidence), tuple(getattr(diagnosis, 'faults', ()))
+    sure, faults = float(diagnosis.confidence), tuple(diagnosis.faults)
     level = 'suspect' if diagnosis.level == LEVEL_SUSPECT else ''
-    rule = str(getattr(diagnosis, 'rule', ''))
+    rule = str(diagnosis.rule)
     kind = kind_of(str(diagnosis.result_name), level, faults, rule)
     if not sure > 0.0 or kind not in CLAIMS:
         return '', ''
@@ -162,9 +159,9 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
         if math.isfinite(diagnosis.level_over_baseline):
             level += f', {signed(diagnosis.level_over_baseline)} dB over its baseline'
         rows.append(('Level', level))
-    if recorded(diagnosis, 'level_correction_sd') > 0.0:
-        taken = signed(-recorded(diagnosis, 'level_correction'))
-        sure = Z90 * recorded(diagnosis, 'level_correction_sd')
+    if diagnosis.level_correction_sd > 0.0:
+        taken = signed(-diagnosis.level_correction)
+        sure = Z90 * diagnosis.level_correction_sd
         rows.append(
             ('Corrected', f'by {taken} ± {sure:.1f} dB for temperature and speed: '
              f'{_basis(diagnosis)}')
@@ -183,8 +180,7 @@ def facts(diagnosis: Any) -> list[tuple[str, str]]:
 
 def _basis(diagnosis: Any) -> str:
     """Return the basis of a correction, or why there is none, as it is printed."""
-    basis = str(getattr(diagnosis, 'correction_basis', ''))
-    return basis.replace('+-', '±').replace('degC', '°C')
+    return str(diagnosis.correction_basis).replace('+-', '±').replace('degC', '°C')
 
 
 def measured(diagnosis: Any) -> list[tuple[str, str]]:
@@ -206,7 +202,7 @@ def measured(diagnosis: Any) -> list[tuple[str, str]]:
             why = ': needs machine group, mounting and speed'
         rows.append(('Zone', f'none of ISO 20816-3{why}'))
     basis = _basis(diagnosis)
-    if basis and not recorded(diagnosis, 'level_correction_sd') > 0.0:
+    if basis and not diagnosis.level_correction_sd > 0.0:
         rows.append(('Correction', basis))
     return rows
 
@@ -227,12 +223,12 @@ def rival(diagnosis: Any) -> str:
     """
     result = str(diagnosis.result_name)
     measured: list[dict[str, float]] = [
-        {place: recorded(diagnosis, field, k) for k, place in enumerate(PLACES)}
-        for field in ('score', 'modulation_index')
+        {place: element(values, k) for k, place in enumerate(PLACES)}
+        for values in (diagnosis.score, diagnosis.modulation_index)
     ]
     scores, index = measured
     own = scores.pop(result, 0.0)
-    for place in getattr(diagnosis, 'faults', ()):
+    for place in diagnosis.faults:
         # Found as well: the title names it.
         scores.pop(str(place), None)
     limits = {place: Z_CAGE if place == 'cage' else Z_FAULT for place in scores}
@@ -381,8 +377,8 @@ def urgency(diagnosis: Any) -> tuple[int, int]:
     Before the first full window there is no level, and the level of the window alone counts.
     """
     rank = _held(diagnosis)
-    if not rank and recorded(diagnosis, 'window_result') == recorded(diagnosis, 'result'):
-        alone = RANKS.get(recorded(diagnosis, 'window_level'), 0)
+    if not rank and diagnosis.window_result == diagnosis.result:
+        alone = RANKS.get(diagnosis.window_level, 0)
         # Part of a window can show a fault, but only a full one can show that there is none.
         rank = alone if alone > RANKS[LEVEL_OK] else 0
     return rank, _stage(diagnosis)
@@ -390,7 +386,7 @@ def urgency(diagnosis: Any) -> tuple[int, int]:
 
 def _held(diagnosis: Any) -> int:
     """Return the rank of the level; 0 before the first full window and without a statement."""
-    return RANKS.get(recorded(diagnosis, 'level'), 0)
+    return RANKS.get(diagnosis.level, 0)
 
 
 def only_held(diagnosis: Any) -> str:
@@ -399,11 +395,11 @@ def only_held(diagnosis: Any) -> str:
 
     A level is held for up to an hour after the last window that asked for it.
     """
-    if RANKS.get(recorded(diagnosis, 'window_level'), 3) >= _held(diagnosis):
+    if RANKS.get(diagnosis.window_level, 3) >= _held(diagnosis):
         return ''
-    alone = recorded(diagnosis, 'window_result')
+    alone = diagnosis.window_result
     known = alone in range(len(RESULTS))
-    return f'held, newest window {RESULTS[int(alone)] if known else "unknown"}'
+    return f'held, newest window {RESULTS[alone] if known else "unknown"}'
 
 
 def same_window(one: Any, other: Any) -> bool:
@@ -412,16 +408,15 @@ def same_window(one: Any, other: Any) -> bool:
 
     The sample index alone is not enough: it restarts with the sensor.
     """
-    stamps = [getattr(getattr(m, 'header', None), 'stamp', None) for m in (one, other)]
-    begins = [None if stamp is None else stamp_ns(stamp) for stamp in stamps]
-    return one.first_sample == other.first_sample and begins[0] == begins[1]
+    begins = [(m.first_sample, stamp_ns(m.header.stamp)) for m in (one, other)]
+    return begins[0] == begins[1]
 
 
 def _clarity(diagnosis: Any) -> tuple[int, int, float, float]:
     """Return a sort key of windows with the same result; full windows come first."""
     evidence = [float(score) for score in diagnosis.score]
-    if not getattr(diagnosis, 'faults', ()):
+    if not diagnosis.faults:
         # If no place is named the highest score is chance, and the velocity counts.
-        evidence = [recorded(diagnosis, 'velocity_rms')]
+        evidence = [float(diagnosis.velocity_rms)]
     clearest = max((value for value in evidence if math.isfinite(value)), default=0.0)
     return _held(diagnosis), _stage(diagnosis), float(diagnosis.confidence), clearest

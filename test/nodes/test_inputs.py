@@ -88,6 +88,7 @@ def message(**changes):
         'header': SimpleNamespace(stamp=SimpleNamespace(sec=0, nanosec=0), frame_id=''),
         'sample_rate': 25600.0,
         'first_sample': 1024,
+        'source': 0,
         'unit': 'm/s^2',
         'shaft_hz': 25.4,
         'x': np.zeros(4, np.float32),

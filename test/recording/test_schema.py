@@ -8,16 +8,12 @@ import contextlib
 import json
 import os
 from pathlib import Path
-import re
 import sys
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.offline.agreement import Agreement
-from bearing_twin.recording.mcap.catalogue import RecordedChannel, RecordedMessage
 from bearing_twin.recording.mcap.schema import (
     canonical_cdr,
     message_schema,
-    other_version,
     store_from_text,
 )
 import pytest
@@ -114,29 +110,3 @@ def test_canonical_bytes_differ_in_padding_only() -> None:
     changed = bytearray(cdr)
     changed[28] ^= 1
     assert canonical_cdr(VIBRATION, schema.text, bytes(changed)) != cdr
-
-
-def test_a_message_of_another_version_is_named_by_its_fields():
-    pytest.importorskip('bearing_twin_msgs', reason='the message package is not built')
-    name = 'bearing_twin_msgs/msg/TwinState'
-    text = message_schema(name).text
-    assert other_version(name, text) == ''
-    assert other_version(name, '# a comment\n' + text) == ''
-    assert other_version('foreign_msgs/msg/Thing', 'float64 x\n') == ''
-    older = re.sub(r'(?m)^float64 kappa\b.*\n', '', text)
-    newer = re.sub(r'(?m)^float64 kappa\b', 'float32 film\nfloat32 kappa', text)
-    said = 'recorded with another TwinState (fields {})'
-    assert other_version(name, older) == said.format('without kappa')
-    assert other_version(name, newer) == said.format('with film, another kappa')
-
-
-def test_a_re_run_names_the_other_version_instead_of_a_byte():
-    name, text = 'sensor_msgs/msg/Temperature', 'float64 temperature\n'
-    types = store_from_text(name, text)
-    cdr = bytes(types.serialize_cdr(types.types[name](temperature=20.0), name))
-    channel = RecordedChannel('/temperature', name, 'cdr', 'ros2msg', text, '', '')
-    agreement = Agreement()
-    agreement.compare(RecordedMessage(channel, 0, 0, cdr), b'', 'at sample 0')
-    assert agreement.first_difference == (
-        'at sample 0: recorded with another Temperature (fields without header, without variance)'
-    )

@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What was drawn, read back from a Rerun file, and messages to draw."""
 
+import math
 from types import SimpleNamespace
 
+from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 import numpy as np
 import pyarrow as pa
 from rerun.chunk import RrdReader
+from rosbags.interfaces import Nodetype
 
 VIBRATION = 'bearing_twin_msgs/msg/Vibration'
 SECOND = 1_000_000_000
@@ -38,12 +41,29 @@ def _rows(column):
     return column.to_pylist()
 
 
+def header(time=0, frame_id=''):
+    sec, nanosec = divmod(time, SECOND)
+    return SimpleNamespace(stamp=SimpleNamespace(sec=sec, nanosec=nanosec), frame_id=frame_id)
+
+
 def stamp(time):
     """Return a message that is stamped."""
-    sec, nanosec = divmod(time, SECOND)
-    return SimpleNamespace(
-        header=SimpleNamespace(stamp=SimpleNamespace(sec=sec, nanosec=nanosec), frame_id='')
-    )
+    return SimpleNamespace(header=header(time))
+
+
+def message(name, time=0, **fields):
+    """Return a message of this package; what is not given of it is NaN, 0, '' or empty."""
+    of_type = f'bearing_twin_msgs/msg/{name}'
+    defined = store_from_text(of_type, message_schema(of_type).text).fielddefs[of_type][1]
+    made = {field: [] if node == Nodetype.SEQUENCE else _blank(about)
+            for field, (node, about) in defined} | {'header': header(time)}  # fmt: skip
+    assert fields.keys() <= made.keys()
+    return SimpleNamespace(**made | fields)
+
+
+def _blank(about):
+    kind = about[0]
+    return '' if kind == 'string' else math.nan if kind.startswith('float') else 0
 
 
 def view_names(rrd):

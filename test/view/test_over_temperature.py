@@ -3,12 +3,12 @@
 """Means over temperature, and whether vibration is simulated or measured."""
 
 import math
-from types import SimpleNamespace
 
 from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED
 from bearing_twin.view.over_temperature import OverTemperature
 from bearing_twin.view.source import Source, twin_in_words
+from drawn import header, message
 import numpy as np
 import pytest
 import yaml
@@ -53,7 +53,7 @@ def test_a_sensor_that_tells_a_stop_has_no_quiet_class_of_temperature():
 def test_the_frequency_found_is_of_one_place():
     over = OverTemperature()
     for place, hertz in (('inner', 126.0), ('ambiguous', 77.0), ('outer', 76.0), ('inner', 127.0)):
-        over.diagnosis(SimpleNamespace(result_name=place, temperature=20.0, fault_hz=hertz))
+        over.diagnosis(message('Diagnosis', result_name=place, temperature=20.0, fault_hz=hertz))
     (found,) = over.curves
     assert list(found.values) == [126.5]
 
@@ -62,7 +62,7 @@ def test_another_defect_of_the_twin_is_no_effect_of_temperature():
     over = OverTemperature()
 
     def hear(defect, temperature, scale):
-        over.state(SimpleNamespace(temperature_used=temperature, defect=defect, slip=0.01))
+        over.state(message('TwinState', temperature_used=temperature, defect=defect, slip=0.01))
         over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature)
         over.take_strip(np.ones(2000), 0, 12000.0, temperature)
 
@@ -79,7 +79,7 @@ def test_another_speed_is_no_effect_of_temperature(other):
     over = OverTemperature()
     for temperature, speed, scale in ((20, 25, 4), (50, 25.1, 3), (80, other, 1), (110, 25, 2)):
         state = {'temperature_used': temperature, 'shaft_hz': speed, 'bpfi': 5.0 * speed}
-        over.state(SimpleNamespace(defect='inner', slip=0.01, **state))
+        over.state(message('TwinState', defect='inner', slip=0.01, **state))
         over.vibration(scale * np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature)
         over.take_strip(np.ones(2000), 0, 12000.0, temperature)
     curves = {curve.key: curve for curve in over.curves}
@@ -94,36 +94,37 @@ def test_what_is_heard_before_the_speed_is_known_is_of_the_first_speed():
     over.vibration(np.array([1.0, -1.0]), 'm/s^2', 2.0, 20.0)
     for temperature in (50.0, 80.0):
         state = {'temperature_used': temperature, 'shaft_hz': 25.0, 'bpfi': 125.0}
-        over.state(SimpleNamespace(defect='', slip=0.01, **state))
+        over.state(message('TwinState', defect='', slip=0.01, **state))
         over.vibration(np.array([1.0, -1.0]), 'm/s^2', 2.0, temperature)
     assert list(over.curves[0].temperatures) == [20.0, 50.0, 80.0]
 
 
 def test_the_frequency_of_the_twin_is_that_of_the_defect_found():
     over = OverTemperature()
-    over.state(SimpleNamespace(temperature_used=20.0, defect='inner+outer', bpfi=124.0, bpfo=76.0))
+    over.state(
+        message('TwinState', temperature_used=20.0, defect='inner+outer', bpfi=124.0, bpfo=76.0)
+    )
     assert [list(c.values) for c in over.curves] == [[124.0]]
-    over.diagnosis(SimpleNamespace(result_name='outer', temperature=20.0, fault_hz=75.0))
+    over.diagnosis(message('Diagnosis', result_name='outer', temperature=20.0, fault_hz=75.0))
     assert [list(c.values) for c in over.curves] == [[75.0], [76.0]]
 
 
-def block(**source):
-    return SimpleNamespace(header=SimpleNamespace(frame_id='bearing_housing'), **source)
-
-
 def test_vibration_says_itself_whether_it_is_simulated():
-    source = Source()
+    source, block = Source(), message('Vibration', header=header(frame_id='bearing_housing'))
     assert source.text == ''
-    source.vibration(block())
+    source.vibration(block)
     assert source.text == 'source not stated, bearing_housing'
-    source.vibration(block(source=SOURCE_MEASURED))
+    block.source = SOURCE_MEASURED
+    source.vibration(block)
     assert source.text == 'measured, bearing_housing'
-    source.vibration(block(source=SOURCE_SIMULATED))
+    block.source = SOURCE_SIMULATED
+    source.vibration(block)
     assert source.text == 'simulated by a twin'
     values = {'preset': 'incipient', 'bearing': '6307', 'defect': 'inner:width=0.0024+ball'}
-    checkpoint = SimpleNamespace(kind='twin', node='/twin', configuration='')
-    checkpoint.configuration = yaml.safe_dump(values)
-    source.checkpoint(checkpoint)
+    configuration = yaml.safe_dump(values)
+    source.checkpoint(
+        message('Checkpoint', kind='twin', node='/twin', configuration=configuration)
+    )
     assert source.text.startswith('simulated by /twin, ')
 
 

@@ -27,7 +27,7 @@ from bearing_twin.view.rerun.pictures.waveform import extremes
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.spectrum import ENVELOPE
 from copies import raw_recording
-from drawn import columns, SECOND, stamp, VIBRATION, view_names
+from drawn import columns, message, SECOND, stamp, VIBRATION, view_names
 import numpy as np
 import pytest
 import rerun as rr
@@ -100,8 +100,8 @@ def test_rerun_without_us_draws_each_figure_under_its_name(recording):
 
 def test_the_forces_drawn_are_those_of_the_model(recording):
     checked = 0
-    for message in read_messages(recording, topics=['/twin_state']):
-        state = message.decode()
+    for recorded in read_messages(recording, topics=['/twin_state']):
+        state = recorded.decode()
         angles = state.cage_angle + np.arange(8) * 2.0 * np.pi / 8
         forces = contact_forces(
             angles, state.inner_x, state.inner_y, state.radial_clearance, state.k_b
@@ -169,9 +169,9 @@ def test_a_fleet_says_what_simulated_each_vibration(tmp_path):
 
 def vibration(k, time, amplitude=1.0, unit='m/s^2'):
     """Return the k-th block of a tenth of a second."""
-    return SimpleNamespace(
-        **vars(stamp(time)), sample_rate=2560.0, first_sample=256 * k, unit=unit,
-        source=SOURCE_SIMULATED, x=[], y=amplitude * np.sin(np.arange(256.0)),
+    return message(
+        'Vibration', time, sample_rate=2560.0, first_sample=256 * k, unit=unit,
+        source=SOURCE_SIMULATED, y=amplitude * np.sin(np.arange(256.0)),
     )  # fmt: skip
 
 
@@ -224,16 +224,12 @@ def test_every_sensor_follows_the_temperature(tmp_path, sensors):
 def twin_state(defect, time, **angles):
     """Return a state of a standing 6307."""
     pose = {'shaft_angle': 0.0, 'cage_angle': 0.0, 'ball_angle': 0.0} | angles
-    return SimpleNamespace(
-        **vars(stamp(time)),
+    return message(
+        'TwinState',
+        time,
         **pose,
-        first_sample=0,
-        **dict.fromkeys(
-            ('shaft_hz', 'bpfo', 'bpfi', 'bsf', 'ftf', 'slip', 'inner_x', 'inner_y'), 0.0
-        ),
-        **dict.fromkeys(('beta0', 'kappa', 'lateness', 'execution_time', 'c_d'), 0.0),
-        **dict.fromkeys(('temperature_status', 'blocks_late', 'blocks_dropped'), 0),
-        **dict.fromkeys(('temperature_used', 'inner_ring_temperature'), 20.0),
+        **dict.fromkeys(('shaft_hz', 'bsf', 'ftf', 'inner_x', 'inner_y'), 0.0),
+        temperature_used=20.0,
         bearing='6307',
         defect=defect,
         radial_clearance=1e-5,
@@ -333,12 +329,12 @@ def test_marks_of_a_fault_go_with_it():
     bars = SpectrumBars(Canvas(lambda mark, **_: paths.append(mark), '/e', Timebase()), asset)
 
     def draw(window, place, hertz):
-        asset.diagnosis = SimpleNamespace(
-            first_sample=window, result_name=place, faults=[place], fault_hz=hertz
+        asset.diagnosis = message(
+            'Diagnosis', first_sample=window, result_name=place, faults=[place], fault_hz=hertz
         )
         bars.draw(
-            SimpleNamespace(
-                kind=ENVELOPE, unit='1', first_sample=window, start_hz=0.125, bin_hz=0.125,
+            message(
+                'Spectrum', kind=ENVELOPE, first_sample=window, start_hz=0.125, bin_hz=0.125,
                 band_low=0.0, band_high=0.0, shaft_hz=25.4, values=np.full(6400, 1e-4),
                 floor=np.full(6400, 1e-4), **expected._asdict(),
             ),

@@ -3,11 +3,11 @@
 """What every picture of a spectrum shows: combs at the fault frequencies, peaks kept."""
 
 import math
-from types import SimpleNamespace
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.view.spectrum import combs, ENVELOPE, highest, SpectrumPicture
+from drawn import message
 import numpy as np
 import pytest
 
@@ -19,10 +19,9 @@ def spectrum(slip=0.0, **fields):
     values = np.full(6400, 1e-4)
     values[1007] = 0.25
     expected = fault_frequencies(find_bearing('6307'), SHAFT, slip)
-    message = {
+    given = {
         'kind': ENVELOPE,
         'unit': '1',
-        'first_sample': 0,
         'start_hz': 0.125,
         'bin_hz': 0.125,
         'band_low': 1600.0,
@@ -31,13 +30,13 @@ def spectrum(slip=0.0, **fields):
         'values': values,
         'floor': np.full(6400, 1e-4),
     }
-    return SimpleNamespace(**(message | expected._asdict() | fields)), expected
+    return message('Spectrum', **(given | expected._asdict() | fields)), expected
 
 
 @pytest.mark.parametrize('slip', [0.0, 0.01])
 def test_nominal_combs_stand_at_the_fault_frequencies(slip):
-    message, expected = spectrum(slip)
-    found = {comb.family: comb for comb in combs(message)}
+    made, expected = spectrum(slip)
+    found = {comb.family: comb for comb in combs(made)}
     assert not any(comb.found for comb in found.values())
     order = np.arange(1, 5)
     strike = 2.0 * expected.bsf
@@ -55,18 +54,17 @@ def test_nominal_combs_stand_at_the_fault_frequencies(slip):
 
 
 def test_a_bearing_without_speed_has_no_combs():
-    nowhere = {'shaft_hz': math.nan, 'bpfi': math.nan, 'bpfo': 0.0, 'bsf': math.nan, 'ftf': 0.0}
-    assert combs(SimpleNamespace(**nowhere)) == []
+    assert combs(message('Spectrum', bpfo=0.0, ftf=0.0)) == []
 
 
 def test_the_comb_found_is_that_of_the_same_window():
-    message, _ = spectrum()
-    verdict = SimpleNamespace(fault_hz=126.0, faults=['inner'], first_sample=0)
-    found = SpectrumPicture.of(message, verdict).found
+    made, _ = spectrum()
+    verdict = message('Diagnosis', fault_hz=126.0, faults=['inner'])
+    found = SpectrumPicture.of(made, verdict).found
     assert (found.family, found.fundamental) == ('inner', 126.0)
     assert found.label == 'BPFI found 126.00 Hz'
     verdict.first_sample = 1024
-    assert SpectrumPicture.of(message, verdict).found is None
+    assert SpectrumPicture.of(made, verdict).found is None
 
 
 def test_a_line_is_as_high_as_its_modulation_index():
@@ -80,9 +78,8 @@ def test_a_line_is_as_high_as_its_modulation_index():
 
 
 def test_parts_keep_their_frequencies():
-    picture = SpectrumPicture.of(
-        spectrum()[0], SimpleNamespace(fault_hz=126.0, faults=['inner'], first_sample=0)
-    )
+    verdict = message('Diagnosis', fault_hz=126.0, faults=['inner'])
+    picture = SpectrumPicture.of(spectrum()[0], verdict)
     near = picture.zoom()
     assert near.frequencies[near.values.argmax()] == 126.0
     assert near.start >= 120.0

@@ -3,7 +3,6 @@
 """The headline of a recording, and what a verdict says to people."""
 
 import math
-from types import SimpleNamespace
 
 from bearing_twin.bearing.vocabulary import PLACES, TITLES
 from bearing_twin.view.style import FAMILIES, VERDICTS
@@ -19,6 +18,7 @@ from bearing_twin.view.verdict import (
     title_of,
     urgency,
 )
+from drawn import header, message, SECOND
 import pytest
 
 LEVEL = {'healthy': 1, 'suspect': 2, 'insufficient': 0, 'ambiguous': 3}
@@ -27,28 +27,29 @@ LEVEL_CONSTANT = {0: 3, 1: 0, 2: 1, 3: 2}
 
 def verdict(result, *, confidence=0.9, score=8.0, shaft=25.4, stage=0):
     """Return a Diagnosis."""
-    return SimpleNamespace(
-        result=list(TITLES).index(result),
+    answer, level = list(TITLES).index(result), LEVEL_CONSTANT[LEVEL.get(result, 3)]
+    return message(
+        'Diagnosis',
+        result=answer,
+        window_result=answer,
         stage=stage,
         faults=[result] if result in PLACES else [],
         result_name=result,
-        level=LEVEL_CONSTANT[LEVEL.get(result, 3)],
+        level=level,
+        window_level=level,
         confidence=confidence,
         score=[score, math.nan, 1.0, 0.0],
         shaft_hz=shaft if result != 'insufficient' else math.nan,
         shaft_hz_given=shaft,
         unit='m/s^2',
-        **dict.fromkeys(('fault_hz', 'fault_hz_expected', 'rms', 'velocity_rms'), math.nan),
-        **dict.fromkeys(('level_over_baseline', 'temperature', 'band_low', 'band_high'), math.nan),
         modulation_index=[0.1, 0.1, 0.1, 0.1],
-        iso_zone='',
     )
 
 
 def before_full(result, **values):
     """Return a Diagnosis of a window that is not full yet: no level is held."""
     made = verdict(result, **values)
-    made.window_result, made.window_level, made.level = made.result, made.level, 3
+    made.level = 3
     return made
 
 
@@ -115,9 +116,8 @@ def test_spectra_are_of_the_window_of_the_headline_and_of_its_run():
     windows = []
     for second, result in ((10, 'inner'), (50, 'insufficient')):
         diagnosis = verdict(result, confidence=0.9 if result == 'inner' else 0.0)
-        diagnosis.first_sample = 0
-        diagnosis.header = SimpleNamespace(stamp=SimpleNamespace(sec=second, nanosec=0))
-        spectrum = SimpleNamespace(kind='spectrum', first_sample=0, header=diagnosis.header)
+        diagnosis.header = header(second * SECOND)
+        spectrum = message('Spectrum', second * SECOND, kind='spectrum')
         windows.append((diagnosis, spectrum))
     for early in (False, True):
         found = Headline()
@@ -273,10 +273,11 @@ def test_nothing_says_nan():
 
 def test_significance_alone_is_no_evidence_over_its_limits():
     outer = OVER_LIMITS.trends[0]
-    old = SimpleNamespace(score=[11.0], modulation_index=[0.9])
-    assert outer.value(old) == pytest.approx(1.5)
-    for lacking in ({'modulation_index': [math.nan]}, {'modulation_index': []}, {}):
-        assert math.isnan(outer.value(SimpleNamespace(score=[11.0], **lacking)))
+    weak = message('Diagnosis', score=[11.0], modulation_index=[0.9])
+    assert outer.value(weak) == pytest.approx(1.5)
+    for lacking in ([math.nan], []):
+        weak.modulation_index = lacking
+        assert math.isnan(outer.value(weak))
 
 
 def test_a_shaft_at_rest_is_standing():

@@ -93,7 +93,7 @@ class RecordedMessage(NamedTuple):
         if conflict := type_conflict(channel.type_name, channel.schema):
             raise BearingTwinError(
                 f'{channel.topic} has another {channel.type_name} than this version knows: '
-                f'{conflict}'
+                f'{conflict}; use the version that recorded it'
             )
         try:
             return store.deserialize_cdr(self.cdr, channel.type_name)
@@ -108,8 +108,8 @@ def known_fields(topic: str, type_name: str) -> Iterator[None]:
     """
     Turn errors in the access to fields of a decoded message into a BearingTwinError.
 
-    A recording contains its own definition of a type. There, fields that this version knows may be
-    missing or have other types.
+    A recording contains its own definition of a type. There, fields of a type that is not of this
+    package may be missing.
     """
     try:
         yield

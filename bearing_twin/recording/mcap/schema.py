@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 SEPARATOR = '=' * 80 + '\n'
 
+OWN = 'bearing_twin_msgs/'
+"""Package of the messages of the nodes."""
+
 LONGEST_SCHEMA = 250_000
 """Longest schema text that is parsed, characters."""
 
@@ -80,45 +83,26 @@ def store_from_text(type_name: str, text: str) -> Typestore:
 @lru_cache(maxsize=256)
 def type_conflict(type_name: str, text: str) -> str:
     """
-    Return the first field whose kind differs between an embedded schema and the known type.
+    Return why messages of an embedded schema cannot be read as the known type; '' if they can.
 
-    The kinds are number, text, list and message; readers of a field rely on its kind. Missing or
-    new fields and other widths of numbers are no conflict. The result is '' without a conflict.
+    A type of this package has to have the same fields. Of any other the kinds of its fields have
+    to be the same (number, text, list or message), on which readers rely; fields may be missing.
     """
     try:
         known = store_from_text(type_name, message_schema(type_name).text).fielddefs
     except BearingTwinError:
         return ''
     found = store_from_text(type_name, text).fielddefs
+    if type_name.startswith(OWN):
+        ours, theirs = (dict(fields[type_name][1]) for fields in (known, found))
+        if unlike := [name for name in ours | theirs if ours.get(name) != theirs.get(name)]:
+            return f'unlike in {", ".join(unlike)}'
     for name in known.keys() & found.keys():
-        ours = {field: _kind(about) for field, about in known[name][1]}
+        kinds = {field: _kind(about) for field, about in known[name][1]}
         for field, about in found[name][1]:
-            if ours.get(field, _kind(about)) != _kind(about):
-                return f'{field} of {name} is {_kind(about)} instead of {ours[field]}'
+            if kinds.get(field, _kind(about)) != _kind(about):
+                return f'{field} of {name} is {_kind(about)} instead of {kinds[field]}'
     return ''
-
-
-def other_version(type_name: str, text: str) -> str:
-    """
-    Return the fields in which a recorded type differs from the definition of this version.
-
-    The result is '' if the fields are the same, or if this version does not know the type.
-    """
-    try:
-        known = store_from_text(type_name, message_schema(type_name).text).fielddefs[type_name][1]
-    except BearingTwinError:
-        return ''
-    found = store_from_text(type_name, text).fielddefs[type_name][1]
-    ours, theirs = ({field: repr(about) for field, about in fields} for fields in (known, found))
-    if list(ours.items()) == list(theirs.items()):
-        return ''
-    differing = [
-        *(f'without {field}' for field in ours if field not in theirs),
-        *(f'with {field}' for field in theirs if field not in ours),
-        *(f'another {field}' for field in ours if theirs.get(field, ours[field]) != ours[field]),
-    ]
-    which = ', '.join(differing) or 'in another order'
-    return f'recorded with another {type_name.rpartition("/")[2]} (fields {which})'
 
 
 def _kind(about: Any) -> str:
@@ -171,7 +155,7 @@ def _own_text(type_name: str) -> str:
         path = folder / kind / f'{name}.msg'
         if path.is_file():
             return path.read_text(encoding='utf-8')
-    if package == 'bearing_twin_msgs':
+    if type_name.startswith(OWN):
         path = Path(__file__).parents[3] / 'msg_defs' / kind / f'{name}.msg'
         if path.is_file():
             return path.read_text(encoding='utf-8')

@@ -141,9 +141,8 @@ def _health(
         last = machine.last_state
         if last is not None:
             text = (
-                f'{getattr(last, "blocks_published", "?")} blocks published, '
-                f'{getattr(last, "blocks_late", "?")} late, '
-                f'{getattr(last, "blocks_dropped", "?")} dropped; worst lateness '
+                f'{last.blocks_published} blocks published, {last.blocks_late} late, '
+                f'{last.blocks_dropped} dropped; worst lateness '
                 f'{number(1e3 * machine.worst_lateness, "ms")}'
             )
             rows.append((f'Twin {machine.name}', text))

@@ -18,7 +18,6 @@ from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
 from bearing_twin.view.over_temperature import OverTemperature
 from bearing_twin.view.source import fleet_tables, Source
-from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import Headline
 import numpy as np
 
@@ -167,11 +166,10 @@ class Machine:
             self._temperature = float(message.temperature)
 
     def _state(self, time: float, message: Any) -> None:
-        self._temperature = recorded(message, 'temperature_used')
+        self._temperature = float(message.temperature_used)
         self.last_state = message
         self.over_temperature.state(message)
-        lateness = recorded(message, 'lateness')
-        self.worst_lateness = float(np.fmax(self.worst_lateness, lateness))
+        self.worst_lateness = float(np.fmax(self.worst_lateness, message.lateness))
         if time >= self._next_state:
             self._next_state = time + STATE_PERIOD
             self.states.append((time, message))
@@ -186,7 +184,7 @@ class Machine:
         self.unit = str(message.unit)
         self.source.vibration(message)
         over, rate = self.over_temperature, float(message.sample_rate)
-        speed = recorded(message, 'shaft_hz')
+        speed = float(message.shaft_hz)
         rms, peak = over.vibration(samples, self.unit, rate, self._temperature, speed)
         if math.isfinite(rms):
             self.vibration.append((time, rms, peak))

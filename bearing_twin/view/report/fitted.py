@@ -27,7 +27,7 @@ TWIN: dict[str, Any] = {'color': '#1565c0', 'label': 'twin', 'linewidth': 0.7}
 
 def fitted_figure(machine: Machine) -> tuple[str, Figure] | None:
     """Draw spectrum and one revolution of the newest calibration that has them."""
-    found = [m for _, m in machine.calibrations if len(getattr(m, 'measured_turn', ()))]
+    found = [m for _, m in machine.calibrations if len(m.measured_turn)]
     if not found:
         return None
     message = found[-1]

@@ -22,7 +22,7 @@ from bearing_twin.view.report.plots import appended_figures, figures, verdicts_o
 from bearing_twin.view.report.svg import hex_colour
 from bearing_twin.view.source import bearing_in_words
 from bearing_twin.view.style import FAMILIES, ink, VERDICTS
-from bearing_twin.view.trends import recorded
+from bearing_twin.view.trends import element
 from bearing_twin.view.verdict import (
     facts,
     impacts,
@@ -227,7 +227,7 @@ def _families(worst: Any) -> str:
     cells = []
     for k, (place, family) in enumerate(zip(PLACES, FAMILIES, strict=True)):
         hertz = impacts(worst, place)
-        score, index = (recorded(worst, field, k) for field in ('score', 'modulation_index'))
+        score, index = element(worst.score, k), element(worst.modulation_index, k)
         limit = Z_CAGE if place == 'cage' else Z_FAULT
         name = TITLES[place].removesuffix(' fault')
         values = (

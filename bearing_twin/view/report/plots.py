@@ -20,7 +20,7 @@ from bearing_twin.view.report.svg import (
     WIDTH,
 )
 from bearing_twin.view.spectrum import ENVELOPE, low_high, SpectrumPicture
-from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, recorded, TWIN_STATE
+from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, TWIN_STATE
 from bearing_twin.view.verdict import judged_by_velocity, pretty
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
@@ -87,7 +87,7 @@ def _columns(pairs: Sequence[tuple[float, ...]]) -> NDArray[np.float64]:
 
 
 def _values(items: Sequence[tuple[float, Any]], name: str) -> NDArray[np.float64]:
-    return np.array([recorded(message, name) for _, message in items], dtype=np.float64)
+    return np.array([getattr(message, name) for _, message in items], dtype=np.float64)
 
 
 def _times(items: Sequence[tuple[float, Any]]) -> NDArray[np.float64]:

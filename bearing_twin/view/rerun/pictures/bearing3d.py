@@ -35,18 +35,6 @@ STEEL, BRIGHT, BRASS = (150, 156, 164), (176, 182, 190), (176, 141, 66)
 DEFECT = (255, 23, 68)
 AROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
 """Angles of the load zone's spikes, rad."""
-POSE = (
-    'shaft_angle', 'shaft_hz', 'cage_angle', 'ftf', 'ball_angle', 'bsf', 'inner_x', 'inner_y',
-    'radial_clearance', 'k_b', 'defect',
-)  # fmt: skip
-"""Fields of a TwinState that are drawn here."""
-
-
-def check_pose(state: Any) -> None:
-    """Raise if a TwinState of another version lacks the fields of the pose."""
-    if lacking := [field for field in POSE if not hasattr(state, field)]:
-        msg = f'recorded with another TwinState, without {", ".join(lacking)}: no bearing is drawn'
-        raise BearingTwinError(msg)
 
 
 def greatest_force(state: Any) -> float:

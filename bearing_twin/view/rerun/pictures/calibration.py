@@ -47,7 +47,7 @@ class CalibrationPicture(Picture):
     def _draw_spectra(self, message: Any, time: int) -> None:
         """Draw both spectra relative to their lowest level, since bars begin at zero."""
         both = [
-            np.array(getattr(message, name, ()), dtype=np.float32)[1:]
+            np.array(getattr(message, name), dtype=np.float32)[1:]
             for name in ('measured_spectrum', 'twin_spectrum')
         ]
         if not all(map(len, both)):
@@ -65,7 +65,7 @@ class CalibrationPicture(Picture):
     def _draw_turns(self, message: Any, time: int) -> None:
         """Draw a revolution of machine and twin; each bar is the largest of a group of samples."""
         for name, field, share in zip(NAMES, FIELDS, (1.0, 0.4), strict=True):
-            turn = np.array(getattr(message, field, ()), dtype=np.float32)
+            turn = np.array(getattr(message, field), dtype=np.float32)
             if not len(turn):
                 return
             group = -(-len(turn) // BARS)

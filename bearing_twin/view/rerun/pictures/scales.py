@@ -7,11 +7,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.over_temperature import NUMBERED, UNNUMBERED
-from bearing_twin.view.rerun.pictures.bearing3d import check_pose, greatest_force
+from bearing_twin.view.rerun.pictures.bearing3d import greatest_force
 from bearing_twin.view.spectrum import ENVELOPE, SpectrumPicture
-from bearing_twin.view.trends import recorded
 import numpy as np
 
 
@@ -41,7 +39,7 @@ class Scales:
         return min((self._coldest, *wide)), max((self._hottest, *wide))
 
     def take(self, type_name: str, message: Any) -> None:
-        """Take a message; one of another version may lack fields."""
+        """Take a message."""
         match type_name.removeprefix('bearing_twin_msgs/msg/'):
             case 'Vibration':
                 samples = np.concatenate([message.x, message.y])
@@ -52,15 +50,11 @@ class Scales:
                 if (picture := SpectrumPicture.of(message)) is not None:
                     self.index = max(self.index, float(picture.deciding().values.max()))
             case 'TwinState':
-                self._degrees(recorded(message, 'temperature_used'))
-                self._degrees(recorded(message, 'inner_ring_temperature'))
-                try:
-                    check_pose(message)
-                except BearingTwinError:
-                    return
+                self._degrees(message.temperature_used)
+                self._degrees(message.inner_ring_temperature)
                 self.force = max(self.force, greatest_force(message))
             case 'sensor_msgs/msg/Temperature':
-                self._degrees(recorded(message, 'temperature'))
+                self._degrees(message.temperature)
 
     def _degrees(self, value: float) -> None:
         if math.isfinite(value):

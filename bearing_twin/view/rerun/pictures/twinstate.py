@@ -8,11 +8,11 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.view.rerun.pictures.bearing3d import Bearing3D, check_pose
+from bearing_twin.view.rerun.pictures.bearing3d import Bearing3D
 from bearing_twin.view.rerun.pictures.lanes import Lane
 from bearing_twin.view.rerun.pictures.picture import Asset, Picture
 from bearing_twin.view.style import TEMPERATURE_STATES
-from bearing_twin.view.trends import recorded, TWIN_STATE
+from bearing_twin.view.trends import TWIN_STATE
 import rerun as rr
 
 if TYPE_CHECKING:
@@ -34,10 +34,10 @@ class TwinPicture(Picture):
     def draw(self, message: Any, time: int) -> bool:
         """Draw a state at ``time`` in ns."""
         self.asset.twin = True
-        self.asset.temperature = recorded(message, 'temperature_used')
+        self.asset.temperature = float(message.temperature_used)
         self.asset.over_temperature.state(message)
         self.trends.hold(message, time)
-        self._lane.set(int(getattr(message, 'temperature_status', -1)), time)
+        self._lane.set(int(message.temperature_status), time)
         solid = self._solid_of(message)
         if solid is not None:
             solid.draw(message, time)
@@ -50,11 +50,10 @@ class TwinPicture(Picture):
         super().flush(slow=slow)
 
     def _solid_of(self, message: Any) -> Bearing3D | None:
-        """Return the drawn bearing; None, and log why, if its geometry or pose is unknown."""
-        name = str(getattr(message, 'bearing', ''))
+        """Return the drawn bearing; None, and log why, if its geometry is unknown."""
+        name = str(message.bearing)
         if self._solid is None and name != self._unknown:
             try:
-                check_pose(message)
                 bearing = find_bearing(name)
             except BearingTwinError as error:
                 self._unknown = name

@@ -15,7 +15,6 @@ from bearing_twin.view.rerun.pictures.waterfall import Waterfall
 from bearing_twin.view.source import Source
 from bearing_twin.view.spectrum import low_high
 from bearing_twin.view.style import LINE
-from bearing_twin.view.trends import recorded
 from bearing_twin.view.verdict import pretty
 import numpy as np
 import rerun as rr
@@ -105,9 +104,9 @@ class Waveform(Picture):
         self.asset.panels.update(AXES[axis][0] for axis in axes)
         self._source.vibration(message)
         samples, temperature = next(iter(axes.values())), self.asset.temperature
-        self._over.vibration(samples, unit, rate, temperature, recorded(message, 'shaft_hz'))
+        self._over.vibration(samples, unit, rate, temperature, float(message.shaft_hz))
         if np.isfinite(temperature):
-            first = int(getattr(message, 'first_sample', 0))
+            first = int(message.first_sample)
             self._new_strip |= self._over.take_strip(samples, first, rate, temperature)
         return True
 
