@@ -46,7 +46,8 @@ class MessageTemplate:
     Raises
     ------
     BearingTwinError
-        If the position of a number in the bytes is not unique.
+        If the position of a number in the bytes is not unique, or arrays to fill have another
+        length.
 
     """
 
@@ -73,7 +74,7 @@ class MessageTemplate:
         # Set differing bytes to zero: they are the numbers to fill, or meaningless padding.
         serialized = np.array([np.frombuffer(cdr, np.uint8) for cdr, _, _ in samples])
         same = (serialized == serialized[0]).all(axis=0)
-        self._buffer = bytearray(np.where(same, serialized[0], 0).tobytes())
+        self._buffer = buffer = bytearray(np.where(same, serialized[0], 0).tobytes())
         places = [
             _place(name, [(cdr, probes[k]) for cdr, probes, _ in samples])
             for k, name in enumerate(numbers)
@@ -81,24 +82,33 @@ class MessageTemplate:
         if places != sorted(places):
             msg = f'the numbers of {type(message).__name__} stand in another order: {places}'
             raise BearingTwinError(msg)
-        self._runs = _runs(self._buffer, places, codes)
-        self._arrays = [
-            memoryview(self._buffer)[at : at + 4 * size].cast('f')
-            for size, at in (
-                (size, _place(name, [(cdr, blocks[k]) for cdr, _, blocks in samples]))
-                for k, (name, size) in enumerate(zip(arrays, sizes, strict=True))
+        self._runs = _runs(buffer, places, codes)
+        # The bytes before, between and behind the arrays.
+        ends = [0]
+        for k, (name, size) in enumerate(zip(arrays, sizes, strict=True)):
+            at = (
+                _place(name, [(cdr, blocks[k]) for cdr, _, blocks in samples])
                 if size
+                else ends[-1]
             )
+            ends += [at, at + 4 * size]
+        ends.append(len(buffer))
+        self._first, *self._others = [
+            memoryview(buffer)[begin:end] for begin, end in zip(ends[::2], ends[1::2], strict=True)
         ]
 
     def fill(self, numbers: Sequence[float], *arrays: NDArray[np.float32]) -> bytes:
         """Return the bytes of the message with these numbers and arrays."""
         for layout, at, first, last in self._runs:
             layout.pack_into(self._buffer, at, *numbers[first:last])
-        for place, values in zip(self._arrays, arrays, strict=True):
-            # Not by NumPy, which releases the interpreter lock at each copy.
-            place[:] = values.data
-        return bytes(self._buffer)
+        parts = [self._first]
+        for values, piece in zip(arrays, self._others, strict=True):
+            parts += [values.data, piece]
+        message = b''.join(parts)
+        if len(message) != len(self._buffer):
+            msg = f'{len(message)} bytes, but {len(self._buffer)} in the message of the template'
+            raise BearingTwinError(msg)
+        return message
 
 
 def _code(message: Any, name: str) -> str:

@@ -87,6 +87,14 @@ def test_a_number_that_is_not_in_the_bytes_as_it_should_is_refused():
         MessageTemplate(Vibration(), ('sample_rate',), (), swapped)
 
 
+def test_an_array_of_another_length_is_refused():
+    template = MessageTemplate(Vibration(x=[0.0] * 4), (), ('x',), serialize_message)
+    cdr = template.fill((), np.ones(4, np.float32))
+    assert deserialize_message(cdr, Vibration).x.tolist() == [1.0, 1.0, 1.0, 1.0]
+    with pytest.raises(BearingTwinError, match=f'{len(cdr) - 4} bytes, but {len(cdr)} in'):
+        template.fill((), np.ones(3, np.float32))
+
+
 def test_the_state_has_its_turn_or_a_reason():
     blocks = [Due(k * 1024, 0, 0.0, k + 1) for k in range(50)]
     assert all(StateSchedule(0.0, 0.04).wants(due, 20.0) for due in blocks)
