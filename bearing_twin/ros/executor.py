@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 RARE_PERIOD = 0.1
 """Interval of checking services and events of the middleware, s."""
-SERVICES, EVENTS = 100, 40
+SERVICES, EVENTS = 100, 10
 """Most services and events that are checked at a time; if there are more, they take turns."""
 EARLY = 0.6
 """Part of its period after which a group is polled if the executor is awake anyway."""
