@@ -115,6 +115,9 @@ class Study:
     window: Mapping[settings.Factor, float]
     """Relative change of the amplitude from 20 to 110 degC by factor, in `paper` with equation
     8's own window, `WINDOW_WIDTH` wide."""
+    formula_depths: Mapping[str, float]
+    """Relative change of the amplitude from 20 to 110 degC, all factors, in `paper` with a spall
+    as deep as in the static formula, by name of `settings.FORMULA_RATIOS`."""
     ramp: Mapping[str, FloatArray]
     """Amplitude in each tenth of a run with a linear temperature ramp from 20 to 110 degC over ten
     beats of f_in against 5 f_r, by preset, m/s^2, shape (10,)."""
@@ -187,6 +190,13 @@ def _plan(
             )
             for f, t in product(factors, (COLD, HOT))
         }),
+        'formula_depths': (only_amplitude, {
+            (name, t): RunSpec(
+                preset='paper', factor='all', temperature=t, depth=ratio * settings.APPROACH
+            )
+            for name, ratio in settings.FORMULA_RATIOS.items()
+            for t in (COLD, HOT)
+        }),
         'initial_state_effect': (only_amplitude, {
             (p, was): RunSpec(preset=p, factor='all', temperature=COLD, was=was)
             for p, was in product(names, (COLD, HOT))
@@ -251,6 +261,7 @@ def run_study(
             p: Warming(found['physical'][p, COLD], found['physical'][p, HOT]) for p in names
         },
         window={f: change('window', f) for f in factors},
+        formula_depths={name: change('formula_depths', name) for name in settings.FORMULA_RATIOS},
         ramp=found['ramp'],
         initial_state_effect={p: change('initial_state_effect', p) for p in names},
         literature={

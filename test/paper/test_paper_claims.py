@@ -131,6 +131,16 @@ def test_fault_places_turn_with_the_lines(study):
     assert found['frequencies-locate-the-fault'] == 'reproduced'
 
 
+def test_formula_and_simulation_are_compared_at_one_depth(study):
+    changes = study.formula_depths
+    assert set(changes) == set(settings.FORMULA_RATIOS)
+    assert min(changes.values()) > 0.05, 'a stiffer contact strikes harder in a shallow spall'
+    fell = dict.fromkeys(changes, -0.1)
+    found = verdicts(dataclasses.replace(study, formula_depths=fell))
+    # The formula falls with one of the two depths; both presets have lost contact.
+    assert found['formula-verifies-simulation'] == 'reproduced_only_under_stated_settings'
+
+
 def test_generality_turns_with_the_space(study):
     for slope, verdict in ((-1.0, 'reproduced'), (1.0, 'contradicted')):
         slopes = np.full_like(study.grid.small, slope)
