@@ -206,7 +206,9 @@ def fault_orders(bearing: Bearing, slip: float = 0.0) -> FaultFrequencies:
     -----
     Zhang et al., Symmetry 2023, 15, 2166, section 2. d is the ball and D the pitch diameter: the
     paper's text calls them ring diameters, but its numbers are ball and pitch diameter. The ball
-    spin is relative to the slipping cage.
+    spin is relative to the slipping cage, of balls that roll on the outer race and slide on the
+    inner one. If both contacts slid alike, as in `thermal.slip`, slip would lower BSF only by the
+    fraction ``slip gamma / (1 + gamma)``.
 
     Examples
     --------
