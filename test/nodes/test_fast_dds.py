@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.ros.processes.fastdds import profiles as made_profiles
 from bearing_twin.ros.topics.qos import HELD
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -17,16 +18,19 @@ DDS = '{http://www.eprosima.com}'
 
 @pytest.fixture(
     params=[
-        'bearing_twin/ros/processes/fastdds.xml',
-        'bearing_twin/ros/processes/fastdds2.xml',
-        'bearing_twin/ros/processes/fastdds_fleet.xml',
-        'bearing_twin/ros/processes/fastdds2_fleet.xml',
+        *((fleet, older) for fleet in (False, True) for older in (False, True)),
         'config/fastdds_localhost.xml',
         'config/fastdds2_localhost.xml',
     ]
 )
 def profiles(request):
-    return ElementTree.parse(ROOT / request.param)
+    if isinstance(request.param, str):
+        return ElementTree.parse(ROOT / request.param).getroot()
+    fleet, older = request.param
+    root = ElementTree.fromstring(made_profiles(fleet=fleet, older=older))
+    assert (root.find(f'.//{DDS}segment_size') is not None) == fleet
+    assert (root.find(f'.//{DDS}heartbeatPeriod') is not None) == older
+    return root
 
 
 def seconds(period):

@@ -4,10 +4,18 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 import os
 from pathlib import Path
+from string import Template
+import tempfile
+from typing import TYPE_CHECKING
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
@@ -15,9 +23,15 @@ MODE = 'RMW_FASTRTPS_PUBLICATION_MODE'
 """Environment variables of Fast DDS: profile files, transports, publication mode."""
 OLDER = not hasattr(_rclpy.Timer, 'call_timer_with_info')
 """Whether Fast DDS 2 is in use (ROS 2 Jazzy; its timers lack this method)."""
+FORMER_NAMES = {
+    'heartbeat_period': 'heartbeatPeriod',
+    'nack_supression_duration': 'nackSupressionDuration',
+}
+"""Names of elements in Fast DDS 2."""
 
 
-def set_up_fast_dds(*, fleet: bool) -> None:
+@contextmanager
+def fast_dds_settings(*, fleet: bool) -> Iterator[None]:
     """
     Configure Fast DDS so that it does not block publishers, lose blocks or keep large buffers.
 
@@ -28,15 +42,33 @@ def set_up_fast_dds(*, fleet: bool) -> None:
     largest message that it has ever held. A ``fleet`` gets more shared memory, as that of one node
     does not hold the blocks that it publishes in a row. Profiles, transports or a publication mode
     set by the user are not changed. Other middleware ignores these settings.
+
+    Fast DDS reads them when the process makes its first node, which has to be done within.
     """
-    if any(name in os.environ for name in PROFILES):
-        return
-    large = '_fleet' if fleet and TRANSPORTS not in os.environ else ''
-    os.environ.setdefault(TRANSPORTS, 'DEFAULT?non_blocking=true')
-    if MODE in os.environ:
+    chosen = any(name in os.environ for name in PROFILES)
+    large = fleet and TRANSPORTS not in os.environ
+    if not chosen:
+        os.environ.setdefault(TRANSPORTS, 'DEFAULT?non_blocking=true')
+    if chosen or MODE in os.environ:
         # With a profile, Fast DDS would ignore the mode set by the user.
+        yield
         return
     # Fast DDS 2 knows only the older name of the variable; version 3 warns about it.
-    profiles = f'fastdds{2 if OLDER else ""}{large}.xml'
-    os.environ[PROFILES[OLDER]] = str(Path(__file__).with_name(profiles))
+    variable = PROFILES[OLDER]
     os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
+    with tempfile.NamedTemporaryFile('w', prefix='fastdds_', suffix='.xml') as file:
+        file.write(profiles(fleet=large, older=OLDER))
+        file.flush()
+        os.environ[variable] = file.name
+        yield
+    del os.environ[variable]
+
+
+def profiles(*, fleet: bool, older: bool) -> str:
+    """Return the profiles of a fleet or of another node as XML, ``older``: for Fast DDS 2."""
+    begin, end = ('', '') if fleet else ('<!--', '-->')
+    text = Template(Path(__file__).with_name('fastdds.xml').read_text(encoding='utf-8'))
+    made = text.substitute(FLEET=begin, END=end, HEARTBEAT=700_000_000 if fleet else 500_000_000)
+    for name, former in FORMER_NAMES.items() if older else ():
+        made = made.replace(name, former)
+    return made

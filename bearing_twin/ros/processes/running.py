@@ -20,7 +20,7 @@ from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import PREPARATION, refuses
 from bearing_twin.ros.processes.domain import initialise
-from bearing_twin.ros.processes.fastdds import set_up_fast_dds
+from bearing_twin.ros.processes.fastdds import fast_dds_settings
 from bearing_twin.ros.processes.launching import (
     COMPILING,
     ensure_log_folder,
@@ -65,7 +65,6 @@ def run(node_class: type[ManagedNode], args: Sequence[str] | None = None) -> int
         )
         return REFUSED
     _end_with_parent()
-    set_up_fast_dds(fleet=node_class.fleet)
     ensure_log_folder()
     keep_freed_memory()
     status = _run(node_class, args)
@@ -162,7 +161,8 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
             if interrupts:
                 # The interrupt came before rclpy installed its handler.
                 raise ExternalShutdownException
-            node = _build(node_class)
+            with fast_dds_settings(fleet=node_class.fleet):
+                node = _build(node_class)
             _work(node)
         finally:
             if node is not None:
