@@ -4,104 +4,23 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from dataclasses import dataclass
 import math
 from pathlib import Path
 import shlex
 import shutil
 import sys
-from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 from bearing_twin.cli.terminal import lined_up
 from bearing_twin.dynamics.presets import PRESETS
-from bearing_twin.dynamics.trend import mean_of_largest
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.paper.figures.style import COLOURS, label, new_figure, save, TEMPERATURE_LABEL
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.topics import LEVEL_FAULT
-from bearing_twin.streams.vibration_input import GapCounter
+from bearing_twin.view.report.data import collect, Machine
 from bearing_twin.view.verdict import impacts
-import numpy as np
-
-if TYPE_CHECKING:
-    from bearing_twin.recording.mcap.catalogue import RecordedMessage
-    import numpy.typing as npt
-
-
-STEP = 10.0
-"""Width of a temperature class, K: the distance of the paper's nodes."""
-
-
-class AmplitudeByTemperature:
-    """
-    Collect one maximum per ball passage, with its temperature.
-
-    Blocks and states may come in any order; only a few numbers of each are kept.
-    """
-
-    def __init__(self) -> None:
-        self._maxima: dict[int, npt.NDArray[np.float64]] = {}
-        self._states: dict[int, tuple[float, float]] = {}
-        self._waiting: dict[int, tuple[npt.NDArray[np.float32], float]] = {}
-
-    def add_vibration(self, message: Any) -> None:
-        """Take a ``Vibration``."""
-        samples = np.asarray(message.y)
-        self._waiting[message.first_sample] = samples, message.sample_rate
-        self._match(message.first_sample)
-
-    def add_state(self, message: Any) -> None:
-        """Take a ``TwinState``."""
-        self._states[message.first_sample] = message.temperature_used, message.bpfi
-        self._match(message.first_sample)
-
-    def _match(self, first: int) -> None:
-        if first not in self._waiting or first not in self._states:
-            return
-        samples, rate = self._waiting.pop(first)
-        bpfi = self._states[first][1]
-        period = max(1, min(len(samples), round(rate / bpfi) if bpfi > 0.0 else len(samples)))
-        whole = len(samples) // period * period
-        self._maxima[first] = np.abs(samples[:whole]).reshape(-1, period).max(axis=1)
-
-    def by_temperature(self) -> dict[float, float]:
-        """Return the amplitude, m/s^2, by the closest multiple of `STEP` in degC."""
-        bars: dict[float, list[npt.NDArray[np.float64]]] = defaultdict(list)
-        for first, maxima in self._maxima.items():
-            temperature = self._states[first][0]
-            bars[STEP * round(temperature / STEP)].append(maxima)
-        return {t: mean_of_largest(np.concatenate(bars[t])) for t in sorted(bars)}
-
-    def change(self) -> float:
-        """Return the relative change from coldest to hottest third; NaN if they are too close."""
-        points = [(self._states[first][0], maxima) for first, maxima in self._maxima.items()]
-        temperatures = np.array([temperature for temperature, _ in points])
-        if not points or np.ptp(temperatures) < STEP:
-            return math.nan
-        low, high = temperatures.min(), temperatures.max()
-        third = (high - low) / 3.0
-        cold = np.concatenate([m for t, m in points if t <= low + third])
-        hot = np.concatenate([m for t, m in points if t >= high - third])
-        return mean_of_largest(hot) / mean_of_largest(cold) - 1.0
-
-    def draw(self, path: Path, preset: str) -> None:
-        """Write a picture of the amplitude over temperature."""
-        bars = self.by_temperature()
-        figure = new_figure(f'Impact amplitude over temperature, preset {preset}')
-        axes = figure.subplots()
-        axes.plot(list(bars), list(bars.values()), 'o-', color=COLOURS[0])
-        axes.set_ylim(0.0, 1.2 * max(bars.values(), default=1.0))
-        label(
-            axes,
-            f'{100.0 * self.change():+.1f} % from the coldest to the hottest third; the paper '
-            'states a decrease',
-            TEMPERATURE_LABEL,
-            'acceleration |a| / m s⁻²',
-        )
-        save(figure, path)
 
 
 @dataclass(frozen=True)
@@ -188,102 +107,71 @@ class Summary:
         return '\n'.join(lined_up(rows))
 
 
-class _Collected:
-    """What the messages of a run say."""
-
-    def __init__(self, defect: str) -> None:
-        self._places = defect.split('+')
-        self._takers = {
-            '/vibration': self._take_block,
-            '/twin_state': self._take_state,
-            '/diagnosis': self._take_verdict,
-            '/diagnostics': self._take_diagnostics,
-        }
-        self.low, self.high, self.worst = math.inf, -math.inf, 0.0
-        """Lowest and highest temperature, degC, and the largest lateness, s."""
-        self.state: Any = None
-        """The last TwinState."""
-        self.verdict: Any = None
-        """The last Diagnosis."""
-        self.verdicts: Counter[str] = Counter()
-        self.false_alarms = self.recorded = self.lost_by_diagnosis = 0
-        self.gaps = GapCounter()
-        self.amplitude = AmplitudeByTemperature()
-        self.early: dict[str, int] = {}
-
-    def take(self, message: RecordedMessage) -> None:
-        """Take one message of the recording."""
-        if taker := self._takers.get(message.topic):
-            taker(message.decode())
-
-    def _take_block(self, block: Any) -> None:
-        self.gaps.count(block.first_sample, block.y.size)
-        self.amplitude.add_vibration(block)
-        self.recorded += 1
-
-    def _take_state(self, state: Any) -> None:
-        self.state = state
-        self.amplitude.add_state(state)
-        self.low = min(self.low, state.temperature_used)
-        self.high = max(self.high, state.temperature_used)
-        self.worst = max(self.worst, state.lateness)
-
-    def _take_verdict(self, verdict: Any) -> None:
-        self.verdict = verdict
-        self.verdicts[verdict.result_name] += 1
-        alarm = verdict.level == LEVEL_FAULT and verdict.result_name in PLACES
-        self.false_alarms += alarm and verdict.result_name not in self._places
-
-    def _take_diagnostics(self, diagnostics: Any) -> None:
-        self.early |= sent_before(diagnostics)
-        for status in diagnostics.status:
-            for item in status.values:
-                if item.key == 'samples_lost':
-                    self.lost_by_diagnosis = int(item.value)
-
-
 def summarise(folder: Path, defect: str, preset: str) -> Summary:
     """Return the summary of a run; raise if it has no twin state or no verdict."""
-    seen = _Collected(defect)
-    for message in read_messages(folder / 'bag'):
-        seen.take(message)
-    state, verdict, amplitude = seen.state, seen.verdict, seen.amplitude
-    if state is None or verdict is None:
+    bag = folder / 'bag'
+    _, health, machines = collect(bag)
+    machine = machines.get('', Machine(''))
+    state, verdicts = machine.last_state, [verdict for _, verdict in machine.diagnoses]
+    if state is None or not verdicts:
         missing = 'twin state' if state is None else 'verdict'
-        msg = f'the recording in {folder / "bag"} holds no {missing}; see {folder / "logs"}'
-        raise BearingTwinError(msg)
+        raise BearingTwinError(f'the recording in {bag} holds no {missing}; see {folder / "logs"}')
+    verdict = verdicts[-1]
     found = verdict.result_name
-    amplitude.draw(folder / 'amplitude.png', preset)
-    files = {
-        str(path): path.stat().st_size
-        for path in sorted(folder.rglob('*'))
-        if path.suffix in ('.mcap', '.rrd', '.png')
-    }
+    wrong = set(PLACES) - set(defect.split('+'))
+    amplitudes, change = _over_temperature(machine)
+    early: dict[str, int] = {}
+    lost_by_diagnosis = 0
+    for message in read_messages(bag, topics=['/diagnostics']):
+        diagnostics = message.decode()
+        early |= sent_before(diagnostics)
+        for item in (item for status in diagnostics.status for item in status.values):
+            if item.key == 'samples_lost':
+                lost_by_diagnosis = int(item.value)
+    used = [each.temperature_used for _, each in [*machine.states, (0.0, state)]]
+    vibration = health.topics['/vibration']
     return Summary(
-        temperature_low=seen.low,
-        temperature_high=seen.high,
+        temperature_low=min(used),
+        temperature_high=max(used),
         defect=defect,
         preset=preset,
-        amplitude_by_temperature=amplitude.by_temperature(),
-        amplitude_change=amplitude.change(),
+        amplitude_by_temperature=amplitudes,
+        amplitude_change=change,
         result=found,
-        verdicts=dict(seen.verdicts),
-        false_alarms=seen.false_alarms,
+        verdicts=dict(Counter(v.result_name for v in verdicts)),
+        false_alarms=sum(v.level == LEVEL_FAULT and v.result_name in wrong for v in verdicts),
         confidence=verdict.confidence,
         fault_hz=verdict.fault_hz,
         fault_hz_expected=verdict.fault_hz_expected,
         fault_hz_twin=impacts(state, found) if found in PLACES else math.nan,
         blocks_published=state.blocks_published,
-        blocks_recorded=seen.recorded,
+        blocks_recorded=vibration.blocks,
         blocks_late=state.blocks_late,
         blocks_dropped=state.blocks_dropped,
-        samples_lost_by_diagnosis=seen.lost_by_diagnosis,
-        samples_lost_by_recorder=seen.gaps.lost,
-        sent_before_recorder=sum(seen.early.values()),
-        lateness_max_ms=seen.worst * 1e3,
-        files=files,
+        samples_lost_by_diagnosis=lost_by_diagnosis,
+        samples_lost_by_recorder=vibration.samples_missing,
+        sent_before_recorder=sum(early.values()),
+        lateness_max_ms=machine.worst_lateness * 1e3,
+        files={
+            str(path): path.stat().st_size
+            for path in sorted(folder.rglob('*'))
+            if path.suffix in ('.mcap', '.rrd')
+        },
         open_with=f'{_command()} view {shlex.quote(str(folder))}',
     )
+
+
+def _over_temperature(machine: Machine) -> tuple[dict[float, float], float]:
+    """Return the amplitude by temperature, and its change from coldest to hottest third."""
+    curve = next((c for c in machine.over_temperature.curves if c.key == 'amplitude'), None)
+    if curve is None:
+        return {}, math.nan
+    temperatures, values = curve.temperatures, curve.values
+    third = (temperatures[-1] - temperatures[0]) / 3.0
+    cold = values[temperatures <= temperatures[0] + third].mean()
+    hot = values[temperatures >= temperatures[-1] - third].mean()
+    by_temperature = dict(zip(temperatures.tolist(), values.tolist(), strict=True))
+    return by_temperature, float(hot / cold) - 1.0 if third > 0.0 else math.nan
 
 
 def _command() -> str:
