@@ -89,8 +89,8 @@ def _settings_text() -> str:
         '80 µm deep) and `incipient` (500 N, 0.8 mm, 15 µm), clearance 5 µm. No jitter, no noise, '
         'no waviness, no sensor resonance; the signal is the vertical acceleration of the '
         'housing, sampled at 51.2 kHz (12 s records and grids: 25.6 kHz). The equations advance '
-        'by one step a sample, parted where contact or the path is not smooth; three values of '
-        'each step are decimated. '
+        'by one step a sample, at 25.6 kHz by three where the contact mode is fast (`paper`), '
+        'parted where contact or the path is not smooth; three values a sample are decimated. '
         f'For the static formula the approach is {settings.APPROACH * 1e6:g} µm.'
     )
 
