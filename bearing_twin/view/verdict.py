@@ -391,13 +391,15 @@ def _held(diagnosis: Any) -> int:
 
 def only_held(diagnosis: Any) -> str:
     """
-    Return the answer of a window of a lower level than the one that is shown; '' if it has none.
+    Return the answer of a window if the one that is shown is only held; '' if it is not.
 
     A level is held for up to an hour after the last window that asked for it.
     """
-    if RANKS.get(diagnosis.window_level, 3) >= _held(diagnosis):
+    held, alone = _held(diagnosis), diagnosis.window_result
+    # *Insufficient* is held over windows that tell something; short first windows change nothing.
+    other = not held and alone != diagnosis.result
+    if RANKS.get(diagnosis.window_level, 3) >= held and not other:
         return ''
-    alone = diagnosis.window_result
     known = alone in range(len(RESULTS))
     return f'held, newest window {RESULTS[alone] if known else "unknown"}'
 

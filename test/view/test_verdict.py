@@ -90,6 +90,13 @@ def test_a_fault_that_is_held_over_windows_without_it_says_so(result, level, nam
     assert worse.span.endswith('from 1 s to 40 s; at the end: inner race fault, held')
 
 
+def test_an_insufficient_verdict_that_is_held_over_healthy_windows_says_so():
+    held = verdict('insufficient')
+    held.level, held.window_level, held.window_result = 3, 0, 0
+    found = headline(*['insufficient'] * 24, *[held] * 10)
+    assert found.span.endswith('at the end: held, newest window healthy')
+
+
 def test_long_spans_are_told_in_minutes_and_hours():
     found = Headline()
     for at in (3600.0, 5400.0, 9000.0):

@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Held level of a stream: rises within a few verdicts, falls when silence tells of a change."""
+"""
+Held level of a stream: rises within a few verdicts, falls when silence tells of a change.
+
+Level *ok* also needs windows that tell something: :class:`Known`.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,9 @@ from typing import NamedTuple
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.errors import BearingTwinError
+
+_HOUR = 3600.0
+"""Mean time between changes of :class:`Known` if half of the windows tell nothing, s."""
 
 
 class Pace(NamedTuple):
@@ -31,9 +38,9 @@ class Pace(NamedTuple):
     """Length of a window, s."""
 
     @property
-    def silent(self) -> int:
-        """Verdicts in a row that tell nothing before *ok* ends: a window of its own, at least."""
-        return max(self.updates, math.ceil(self.window / self.interval))
+    def balance(self) -> float:
+        """Largest balance of windows that tell something or nothing, s; see :class:`Known`."""
+        return max(math.sqrt(_HOUR * self.span), self.window)
 
 
 def _log_beta(a: float, b: float) -> float:
@@ -139,3 +146,97 @@ class HeldLevel:
         least = pace.updates * pace.interval
         low = set(self.newest) <= {'ok', 'none'} and self.quiet >= least
         return self.level in ('', 'none', 'ok') or low
+
+
+@dataclass
+class Known:
+    """
+    Whether the windows of a machine tell enough to call it *ok*. Its fields can be saved.
+
+    The balance is the time of windows that tell something less the time of those that tell
+    nothing. It ends at zero and at a largest value. The machine is known until the balance is
+    zero, and not known from then on until it is largest. So a machine is *ok* only while most of
+    its newest windows tell something. If half of the windows tell nothing, the balance is a
+    random walk with steps of ``span``, which takes ``(balance / span)^2`` steps from one end to
+    the other in the mean (reflected at the end where it begins). This is an hour for a largest
+    balance of ``sqrt(span hour)``. With any other share of such windows the walk drifts to one
+    end and stays there.
+
+    At first the machine is known as soon as no more windows told nothing than something, with a
+    balance of one window. An unusable input ends the knowledge at once, because it is a fact and
+    no chance, and all begins as at first. But an input that becomes unusable again within
+    ``longest`` must then be usable for as long as a level that was seen for the same time must be
+    absent (:meth:`HeldLevel.wait`).
+
+    Examples
+    --------
+    >>> known, pace = Known(), Pace()
+    >>> [known.take(told, pace) for told in [False, True, False, True]]
+    [False, True, True, True]
+    >>> _ = [known.take(True, pace) for _ in range(600)]
+    >>> round(known.balance), [known.take(False, pace) for _ in range(300)].index(False)
+    (170, 169)
+    >>> [known.take(True, pace) for _ in range(300)].index(True)
+    169
+
+    """
+
+    known: bool = False
+    balance: float = 0.0
+    """s."""
+    needed: float = 0.0
+    """Balance from which the machine is known again, s."""
+    told: float = 0.0
+    """Time of windows that told something since ``known`` changed, s."""
+    silent: float = 0.0
+    """Time of windows that told nothing since then, s."""
+    usable: float = math.inf
+    """Time since the input was last unusable, s."""
+    unusable: float = 0.0
+    """Time for which it was unusable then, s."""
+    returned: bool = False
+    """Whether it was unusable within ``longest`` before that as well."""
+
+    def __post_init__(self) -> None:
+        """Refuse saved times that there are not."""
+        times = self.needed, self.told, self.silent, self.usable, self.unusable
+        if not (math.isfinite(self.balance) and all(time >= 0.0 for time in times)):
+            raise BearingTwinError(f'saved state is {self!r:.300}; use what save() returned')
+
+    def take(self, told: bool, pace: Pace, *, unusable: bool = False) -> bool:
+        """Take whether a window told something; return whether the machine is known."""
+        before, step = self.known, pace.interval
+        lowest = 0.0 if self.known or self.needed else -pace.balance
+        self.balance = max(self.balance + (step if told else -step), lowest)
+        self.usable += 0.0 if unusable else step
+        if unusable:
+            if self.usable:
+                self.returned = self.usable < pace.longest and not pace.simulated
+                self.usable = self.unusable = 0.0
+            self.unusable += step
+            self.known, self.balance, self.needed = False, 0.0, 0.0
+            if self.returned:
+                seen = [0.0] * (len(LEVELS) - 1) + [self.unusable]
+                self.needed = HeldLevel(LEVELS[-1], times=seen).wait(pace)
+        elif self.known and self.balance <= 0.0:
+            self.known, self.needed = False, pace.balance
+        elif told and self.balance >= self.needed:
+            self.known = True
+            self.balance = min(max(self.balance, pace.window), pace.balance)
+        if self.known != before or unusable:
+            self.told = self.silent = 0.0
+        self.told += step * told
+        self.silent += step * (not told and not unusable)
+        return self.known
+
+    def __str__(self) -> str:
+        """Say how many windows told nothing, and how many more change what is shown."""
+        total = self.told + self.silent
+        if self.known:
+            said, then = f'{self.silent:.9g} of {total:.9g} s tell nothing', 'not known'
+            left = self.balance
+        else:
+            said, then = f'{self.told:.9g} of {total:.9g} s tell something', 'known'
+            left = self.needed - self.balance
+        again = ', as the input was unusable before too' * (self.returned and not self.known)
+        return f'{said}; {then} after {max(left, 0.0):.0f} s more of them{again}'

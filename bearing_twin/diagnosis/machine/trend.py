@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import FAULT_CODES, LEVELS
 from bearing_twin.diagnosis.machine.baseline import Memory
 from bearing_twin.diagnosis.machine.dependence import Condition, KNOWN_DB, Z90
-from bearing_twin.diagnosis.machine.held import HeldLevel
+from bearing_twin.diagnosis.machine.held import HeldLevel, Known
 from bearing_twin.diagnosis.machine.level import (
     FALLEN,
     FAULT_DB,
@@ -145,6 +145,11 @@ class Trend:
     source: Source = field(default_factory=Source)
     """Source of the levels; its sample rate is 0 before the first window."""
     held: HeldLevel = field(default_factory=HeldLevel)
+    known: Known = field(default_factory=Known)
+    silent_rule: str = ''
+    """Rule of the newest window that told nothing."""
+    silent_why: str = ''
+    """Its reasons."""
     answer: HeldAnswer = field(default_factory=HeldAnswer)
     """Held answer at the held level."""
     other: HeldAnswer = field(default_factory=HeldAnswer)
@@ -277,11 +282,16 @@ class Trend:
 
     def _shown(self, own: Diagnosis, pace: Pace, full: bool) -> Diagnosis:
         """Return the shown diagnosis; a single window without information changes no answer."""
-        # But a machine that stands still, or a dead sensor, is reported at once.
-        fallen = own.severity.level_over_baseline <= -FAULT_DB
-        level = self.held.level
-        stands = level in ('suspect', 'fault') or (level == 'ok' and not fallen)
-        held = own.level != 'none' or stands
+        nothing = own.level == 'none'
+        if full or self.held.level:
+            # What cannot be told of a whole window is a fact of the input: a machine that stands
+            # still, a dead sensor, an unknown speed.
+            fallen = own.severity.level_over_baseline <= -FAULT_DB
+            refused = full and own.rule not in NOTHING_SHOWS
+            self.known.take(not nothing, pace, unusable=nothing and (fallen or refused))
+        if nothing:
+            self.silent_rule, self.silent_why = own.rule, '; '.join(own.reasons)
+        held = not nothing or self.held.level not in ('', 'none')
         shown = with_fault_stage(self._held(own, pace, full) if held else own)
         stage = shown.severity.stage
         if own.level == shown.level:
@@ -318,18 +328,21 @@ class Trend:
         newest = HeldAnswer.of(own)
         # Without information a fault is held for as long as that lasts, any other answer for a
         # while.
-        known = own.level != 'none' or held.level == 'suspect'
-        before, level = held.level, held.take(own.level, pace) if known else held.level
-        if not known and level == 'ok':
-            if self._another(newest, pace.silent):
-                return own
-        elif own.level != level:
+        told = own.level != 'none' or held.level == 'suspect'
+        before, level = held.level, held.take(own.level, pace) if told else held.level
+        if told and own.level != level:
             self.other, self.other_count = HeldAnswer(), 0
-        elif level != before or newest.same(self.answer) or self._another(newest, pace.updates):
+        elif told and (
+            level != before or newest.same(self.answer) or self._another(newest, pace.updates)
+        ):
             self.answer = newest
             self.other, self.other_count = HeldAnswer(), 0
-        answer = self.answer
+        answer, unknown = self.answer, level == 'ok' and not self.known.known
+        if unknown:
+            answer, level = HeldAnswer('insufficient', rule=self.silent_rule), 'none'
         if own.level == level and newest.same(answer):
+            if unknown and self.known.needed and self.known.usable:
+                return replace(own, reasons=(*own.reasons, str(self.known)))
             return own
         text = f'{answer}, {level} held: {self._why_held(newest, own.level, pace)}'
         return replace(
@@ -347,14 +360,18 @@ class Trend:
     def _why_held(self, newest: HeldAnswer, level: str, pace: Pace) -> str:
         """Say why another answer, with its level, is not shown."""
         held = self.held
-        if level == 'none' and held.level == 'fault':
-            return f'this window tells nothing; {_AFTER_REPAIR}'
+        if level == 'none' and held.level != 'suspect':
+            what = self.known if held.level == 'ok' else _AFTER_REPAIR
+            return f'this window tells nothing; {what}'
+        if held.level == 'ok' and not self.known.known:
+            return (
+                f'{self.known}; the newest verdict says {newest}, {level}; '
+                f'the last one that told nothing says {self.silent_why}'
+            )
         if level == held.level:
             return f'{self.other_count} of {pace.updates} verdicts say {newest}'
         if LEVELS.index(level) > LEVELS.index(held.level):
             return f'{held.in_a_row(level)} of {pace.updates} verdicts say {newest}, {level}'
-        if held.level == 'ok':
-            return f'{self.other_count} of {pace.silent} verdicts say {newest}, {level}'
         wait, back = held.wait(pace), ', as it has come back' if held.returned else ''
         reset = f'; {_AFTER_REPAIR}' if wait >= _LONG else ''
         return (

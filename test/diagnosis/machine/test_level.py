@@ -16,6 +16,7 @@ from bearing_twin.packed import restored
 import numpy as np
 import pytest
 from scipy import signal
+from scipy.special import ndtri
 
 RATE = 25_600.0
 BEARING = find_bearing('6307')
@@ -232,19 +233,86 @@ def test_a_suspicion_ends_after_windows_that_show_nothing():
     assert levels == [('suspect', 'suspect')] * 3 + [('insufficient', 'none')] * 2
 
 
-def test_a_healthy_answer_stands_over_single_windows_that_tell_nothing():
-    healthy, nothing = said('healthy', 'ok'), said('insufficient', 'none')
-    # Seven verdicts share samples with the last window that told something.
-    shown = _answers([healthy, *[nothing] * 7, healthy, *[nothing] * 9, healthy])
+UNCERTAIN = replace(said('insufficient', 'none'), rule='uncertain_health')
+
+
+def test_a_healthy_answer_stands_while_most_windows_tell_something():
+    healthy, faint = said('healthy', 'ok'), replace(UNCERTAIN, reasons=('a faint comb',))
+    # The first healthy window counts as long as its samples last.
+    shown = _answers([healthy] + [faint] * 9 + [healthy] * 171 + [faint] * 170)
     answers = [(d.result, d.level) for d in shown]
     ok, unknown = ('healthy', 'ok'), ('insufficient', 'none')
-    assert answers == [ok] * 16 + [unknown] * 2 + [ok]
-    assert shown[2].window == unknown
-    assert shown[2].reasons[-1] == 'healthy, ok held: 2 of 8 verdicts say insufficient, none'
-    # Windows that tell nothing are no reason to wait longer for a fault.
-    fault = said('inner', 'fault', 'inner')
-    levels = [d.level for d in _answers([healthy, fault, nothing, fault, nothing, fault])]
-    assert levels == ['ok'] * 5 + ['fault']
+    assert answers == [ok] * 8 + [unknown] * 171 + [ok] * 171 + [unknown]
+    assert shown[1].window == unknown
+    assert shown[1].reasons[-1] == (
+        'healthy, ok held: this window tells nothing; 1 of 2 s tell nothing; not known after 7 s '
+        'more of them'
+    )
+    assert shown[9].reasons == (
+        'a faint comb', '0 of 2 s tell something; known after 170 s more of them',
+    )  # fmt: skip
+    assert shown[9].window is None
+    held = shown[11]
+    assert (held.window, held.rule, held.confidence) == (ok, 'uncertain_health', 0.0)
+    assert held.reasons[-1] == (
+        'insufficient, none held: 2 of 4 s tell something; known after 168 s more of them; the '
+        'newest verdict says healthy, ok; the last one that told nothing says a faint comb'
+    )
+    # At first as many windows must tell something as told nothing.
+    levels = [d.level for d in _answers([faint] * 20 + [healthy] * 30)]
+    assert levels == ['none'] * 39 + ['ok'] * 11
+
+
+def test_windows_that_tell_nothing_delay_no_alarm():
+    """Neither where *ok* is held over them, nor where *insufficient* is."""
+    healthy, fault = said('healthy', 'ok'), said('inner', 'fault', 'inner')
+    for before in ([healthy] * 300, [healthy] * 300 + [UNCERTAIN] * 200, [UNCERTAIN] * 200):
+        levels = [d.level for d in _answers([*before, fault, UNCERTAIN, fault, UNCERTAIN, fault])]
+        assert levels[-1] == 'fault'
+    levels = [d.level for d in _answers([healthy] + [UNCERTAIN] * 9 + [fault] * 3)]
+    assert levels == ['ok'] * 8 + ['none'] * 4 + ['fault']
+
+
+@pytest.mark.parametrize('share', [0.02, 0.1, 0.3, 0.5, 0.7])
+@pytest.mark.parametrize('level', ['ok', 'suspect', 'fault'])
+def test_windows_that_tell_nothing_change_the_level_at_most_twice_in_an_hour(share, level):
+    """Each window shares seven of its eight seconds with the next one."""
+    rng, answer = np.random.default_rng(2), said(level, level)
+    answer = said('healthy', 'ok') if level == 'ok' else answer
+    evidence = np.convolve(rng.standard_normal(2 * 3600), np.full(8, 8**-0.5), 'valid')
+    tells = evidence > ndtri(share)
+    levels = np.array([d.level for d in _answers(np.where(tells, answer, UNCERTAIN))])
+    first = np.argmax(levels != 'none')
+    at = first + np.flatnonzero(levels[first + 1 :] != levels[first:-1])
+    assert max(np.searchsorted(at, at + 3600) - np.arange(len(at)), default=0) <= 2
+    if level != 'ok' or share < 0.5:
+        assert np.mean(levels == level) > 0.99
+    elif share > 0.5:
+        assert np.mean(levels == 'none') > 0.9
+
+
+def test_an_input_that_is_unusable_is_told_at_once_and_one_that_is_so_again_for_longer():
+    healthy, loose = said('healthy', 'ok'), replace(NOTHING, reasons=('clipped',))
+    once = [loose] * 8 + [healthy] * 600
+    shown = _answers([healthy] * 600 + once * 2)
+    levels = [d.level for d in shown]
+    assert levels == ['ok'] * 600 + ['none'] * 8 + ['ok'] * 600 + ['none'] * 608
+    assert shown[600].reasons == ('clipped',)
+    assert shown[-1].reasons[-1] == (
+        'insufficient, none held: 600 of 600 s tell something; known after 2993 s more of them, '
+        'as the input was unusable before too; the newest verdict says healthy, ok; the last one '
+        'that told nothing says clipped'
+    )
+    # A machine that stands for minutes has changed, and its input is no matter of chance.
+    stops = [loose] * 300 + [healthy] * 600
+    levels = [d.level for d in _answers([healthy] * 600 + stops * 4)]
+    assert [levels[n : n + 900].count('ok') for n in range(600, 4200, 900)] == [600] + [586] * 3
+    # Short windows after a gap are no fact of the input.
+    trend = Trend()
+    known = {'wanted': 60, 'pace': Pace()}
+    for full in (True, False):
+        now = trend.update(healthy if full else loose, MACHINE, full=full, **known)
+        assert now.level == 'ok'
 
 
 @pytest.mark.parametrize(('rule', 'level'), [('run_together', 'fault'), ('few_steps', 'none')])
