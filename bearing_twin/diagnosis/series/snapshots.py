@@ -12,6 +12,7 @@ from typing import Any, TYPE_CHECKING
 import zlib
 
 from bearing_twin.diagnosis.chain import Excerpt, is_simulated
+from bearing_twin.diagnosis.machine.held import Known, Pace
 from bearing_twin.diagnosis.machine.level import UNRATED_CONFIDENCE, with_fault_stage
 from bearing_twin.diagnosis.machine.trend import Source
 from bearing_twin.diagnosis.series.alone import answer_alone
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 1022
+_VERSION = 1023
 _LARGEST = 64 * 1024 * 1024
 """Largest unpacked size of a saved state, bytes: 5000 points are 2 MB."""
 _SOONER = 0.75
@@ -76,6 +77,8 @@ class SeriesDiagnoser:
         self._due: deque[float] = deque()
         self._bearing, self._settings = bearing, settings
         self._monitor = SeriesMonitor(self._bearing, self._settings)
+        # Whether single snapshots tell enough to call the bearing healthy.
+        self._known = Known()
 
     @property
     def bearing(self) -> Bearing:
@@ -208,13 +211,18 @@ class SeriesDiagnoser:
                 correction_basis=str(report.law),
                 rising=math.ceil(point.rising * self._settings.series_cycle / 60.0),
             )  # fmt: skip
-        return _held(replace(found, severity=severity, reasons=reasons), report)
+        silent, cycle = found.level == 'none', excerpt.settings.series_cycle
+        longest = excerpt.settings.longest_hold
+        pace = Pace(1, cycle, cycle, longest, excerpt.simulated, window=cycle)
+        self._known.take(not silent, pace, unusable=silent and point is None)
+        return _held(replace(found, severity=severity, reasons=reasons), report, self._known)
 
     def save(self) -> bytes:
         """Return the state to keep over a restart: the series without an incomplete snapshot."""
         values, arrays = self._monitor.save()
         own = {
             'source': asdict(self._source),
+            'known': asdict(self._known),
             'ended': self._ended,
             'last': self._last,
             'next': self._next,
@@ -242,31 +250,33 @@ class SeriesDiagnoser:
             # Inconsistent values raise here, and not with the next snapshot.
             monitor.report()
             source = restored(Source, values['source'])
+            known = restored(Known, values['known'])
             ended, last, following = (values[name] for name in ('ended', 'last', 'next'))
             ended, last, following = float(ended), float(last), int(following)
         except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
             msg = f'saved series lacks {error}; use what save() returned'
             raise BearingTwinError(msg) from error
-        self._monitor, self._source = monitor, source
+        self._monitor, self._source, self._known = monitor, source, known
         self._ended, self._last, self._next = ended, last, following
         self._whole = math.nan
         self._parts.clear()
         self._due.clear()
 
 
-def _held(alone: Diagnosis, report: SeriesReport) -> Diagnosis:
+def _held(alone: Diagnosis, report: SeriesReport, known: Known) -> Diagnosis:
     """Return the diagnosis of a snapshot with the level and answer that the series holds."""
     level, result = report.level, report.result
-    if level == 'ok' and alone.level == 'none':
+    if level == 'ok' and not known.known:
         # Nothing has risen, but snapshots that say nothing alone show no healthy bearing.
-        result = alone.result
+        result = 'insufficient'
     if (result, level) == (alone.result, alone.level):
         return alone
-    reasons = alone.reasons
+    holds = 'level not known yet' if level == 'none' else f'{level} held'
+    texts = []
+    if level == 'ok' and (alone.level == 'none') == known.known:
+        texts.append(f'series: {result} held: of single snapshots {known}')
     if alone.level != 'none':
-        holds = 'level not known yet' if level == 'none' else f'{level} held'
-        text = f'series: {holds}; this snapshot alone says {alone.result}, {alone.level}'
-        reasons = (*reasons, text)
+        texts.append(f'series: {holds}; this snapshot alone says {alone.result}, {alone.level}')
     faults: tuple[str, ...] = (report.place,) if report.place else ()
     if not faults and level in ('suspect', 'fault') and report.doubt in ('', alone.rule):
         faults = alone.faults
@@ -274,5 +284,5 @@ def _held(alone: Diagnosis, report: SeriesReport) -> Diagnosis:
     return replace(
         alone, result=result, level=level, rule=report.doubt, kind='',
         confidence=0.0 if result == 'insufficient' else UNRATED_CONFIDENCE, faults=faults,
-        reasons=reasons, window=(alone.result, alone.level),
+        reasons=(*alone.reasons, *texts), window=(alone.result, alone.level),
     )  # fmt: skip

@@ -3,6 +3,7 @@
 """A stream of which each cycle gives one snapshot: cut, judged, saved."""
 
 from dataclasses import replace
+from itertools import pairwise
 import math
 import zlib
 
@@ -106,11 +107,37 @@ def test_a_snapshot_that_is_worse_than_the_series_changes_no_published_level():
         said.append(diagnoser.judge(due.analyse()))
     worse = said[38]
     assert [each.level for each in said] == ['none'] * 9 + ['ok'] * 31
-    assert (worse.result, worse.window[1], worse.fault_code) == ('healthy', 'fault', 'BEARING_OK')
+    # No snapshot of 25 turns shows a healthy bearing.
+    assert (worse.result, worse.window[1]) == ('insufficient', 'fault')
     assert worse.severity.iso_zone == 'D' and worse.severity.stage == 0 and not worse.faults
     assert worse.reasons[-1] == 'series: ok held; this snapshot alone says ambiguous, fault'
     assert said[2].reasons[-1].startswith('series: level not known yet; this snapshot alone')
     assert (said[39].result, said[39].window) == ('insufficient', ('insufficient', 'none'))
+
+
+def test_a_healthy_series_stays_so_while_most_snapshots_tell_something():
+    """Snapshots of 60 turns tell; those that a gap cuts short, of 25 turns, do not."""
+    settings = DiagnosisSettings(
+        series_cycle=60.0, series_snapshot=2.4, baseline_windows=10, hold_updates=1
+    )
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), settings)
+    rng, said = np.random.default_rng(3), []
+    tells = np.r_[np.ones(20), np.tile([1, 1, 0, 1], 10), np.zeros(20), np.ones(20)].astype(bool)
+    for number, whole in enumerate(tells):
+        x = rng.standard_normal(round((2.4 if whole else 1.0) * RATE))
+        due = diagnoser.take(round(60.0 * number * RATE), x, RATE, 25.0)
+        said += [diagnoser.judge(excerpt.analyse()) for excerpt in due]
+        if number == 49:
+            again = SeriesDiagnoser(find_bearing('6307'), settings)
+            again.load(diagnoser.save())
+            diagnoser = again
+    assert {each.level for each in said[10:]} == {'ok'}
+    results = [each.result for each in said[10:]]
+    changes = [(n + 11, b) for n, (a, b) in enumerate(pairwise(results)) if a != b]
+    # The balance is at most 465 s: eight snapshots.
+    assert changes == [(67, 'insufficient'), (87, 'healthy')]
+    assert said[62].reasons[-1].startswith('series: healthy held: of single snapshots ')
+    assert said[62].window == ('insufficient', 'none') and said[62].confidence == 0.5
 
 
 def test_held_answer_of_a_series_has_the_rule_of_the_snapshots_that_it_stands_on():
