@@ -95,15 +95,15 @@ def find_bearing(name: str) -> Bearing:
 
     Examples
     --------
-    >>> find_bearing('skf 6205-2rs').n_balls
-    9
+    >>> find_bearing('skf 6205-2rs').n_balls, find_bearing('NU 209').n_balls
+    (9, 14)
 
     """
     if ',' in name:
         return own_bearing(name)
     by_folded = {known.casefold(): bearing for known, bearing in catalogue().items()}
     folded = name.strip().casefold()
-    for candidate in (folded, _designation(folded)):
+    for candidate in (folded, _designation(folded), ''.join(folded.split())):
         if candidate in by_folded:
             return by_folded[candidate]
     shown = name[:LONGEST_NAME]
@@ -125,12 +125,14 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
     --------
     >>> [bearing.name for bearing in close_bearings('6306', 1)]
     ['6306']
-    >>> [bearing.name for bearing in close_bearings('NU205', 5)]
+    >>> [bearing.name for bearing in close_bearings('NU 205', 5)]
     ['NU209']
+    >>> close_bearings('FAG 6205-C-2HRS-C3', 5)[0].name
+    '6205'
 
     """
     folded = name.strip().casefold()
-    folded = _designation(folded) or folded
+    folded = _designation(folded) or re.sub(rf'^(?:{_MAKERS})[ -]+|\s', '', folded)
 
     def unlike(bearing: Bearing) -> tuple[int, float]:
         # Each digit of a designation has its own meaning: equal digits at equal places come first.
