@@ -63,6 +63,15 @@ SLOW = 5.0
 """Time after which a command reports that it compiles, s."""
 
 
+class _Help(argparse.HelpFormatter):
+    """Help with a column for the longest sub-command: argparse does not count their indent."""
+
+    def add_argument(self, action: argparse.Action) -> None:
+        self._indent()
+        super().add_argument(action)
+        self._dedent()
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """
     Run ``bearing-twin``; return the exit status.
@@ -115,7 +124,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parsers() -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
     """Return the parser of the command, and that of each sub-command, still without arguments."""
     parser = argparse.ArgumentParser(
-        prog='bearing-twin', description='Temperature-aware bearing twin and diagnosis.'
+        prog='bearing-twin',
+        description='Temperature-aware bearing twin and diagnosis.',
+        formatter_class=_Help,
     )
     parser.add_argument('--version', action='version', version=f'%(prog)s {__version__}')
     subparsers = parser.add_subparsers(dest='command', metavar='COMMAND')
