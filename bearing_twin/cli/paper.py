@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import processes
+from bearing_twin.errors import UsageError
 from bearing_twin.paper import claims_table, recompute, summary_line
 
 if TYPE_CHECKING:
@@ -36,6 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Recompute; return 0 when everything was written."""
+    if (args.jobs or 0) > MOST_PROCESSES:
+        msg = f'--jobs {args.jobs}: at most {MOST_PROCESSES} processes; one a core is the fastest'
+        raise UsageError(msg)
     claims = recompute(args.out, processes=processes(args.jobs, MOST_PROCESSES))
     if args.json:
         entries = [claim.to_dict() for claim in claims]

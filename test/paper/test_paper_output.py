@@ -153,9 +153,12 @@ def test_own_folder_is_written_again(tmp_path):
         prepare_folder(folder)
 
 
-def test_no_process_is_refused_before_a_folder_is_made(tmp_path, capsys):
-    assert main(['paper', '--out', str(tmp_path / 'out'), '--jobs', '0']) == 2
-    assert '--jobs 0: at least one process' in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ('jobs', 'said'), [('0', 'at least one process'), ('1000', 'at most 256 processes')]
+)
+def test_a_number_of_processes_is_refused_before_a_folder_is_made(jobs, said, tmp_path, capsys):
+    assert main(['paper', '--out', str(tmp_path / 'out'), '--jobs', jobs]) == 2
+    assert f'--jobs {jobs}: {said}' in capsys.readouterr().err
     assert not (tmp_path / 'out').exists()
 
 
