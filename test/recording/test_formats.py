@@ -330,6 +330,45 @@ def test_a_rate_of_too_few_digits_is_asked_for(
     assert read_signal(path).sample_rate == pytest.approx(RATE, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ('there', 'instead', 'said'),
+    [
+        (
+            'Delta_X\t3.9',
+            'Delta_X\tO.9',
+            r"'O.906250E-05' as Delta_X of column 1; write the time f",
+        ),
+        ('Delta_X\t3.9', 'Delta_X\tsNaN3.9', r"'sNaN3.906250E-05' as Delta_X of column 1; write"),
+        ('X0\t0.0', 'X0\tinf', r"'inf.*' as X0 of column 1; write the time of the first sample"),
+        (
+            'Time\t10:00:01',
+            'Time\tten',
+            r"'ten.0' as Time of a part; write hours, minutes and sec",
+        ),
+        (
+            '0.000195\t',
+            'late\t',
+            r"row 6 below its headings is 'late\\t-.*'; fill or remove fields",
+        ),
+    ],
+)
+def test_a_field_of_a_labview_measurement_that_is_no_number_is_named(
+    there: str, instead: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / 'a.lvm'
+    lvm(path)
+    path.write_text(path.read_text().replace(there, instead))
+    assert re.search(said, refused(capsys, path, '--channel', 'DE'))
+
+
+@pytest.mark.parametrize('delta', ['0', '-1', '1E-999'])
+def test_a_step_that_is_none_is_no_rate(
+    delta: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lvm(tmp_path / 'a.lvm', delta=delta, times=False)
+    assert 'does not say its sample rate' in refused(capsys, tmp_path / 'a.lvm')
+
+
 def test_times_beside_the_channels_of_a_tdms_give_the_rate(tmp_path: Path) -> None:
     stamps = np.datetime64('2026-11-30T10:00:00') + np.arange(N) * np.timedelta64(1000, 'us')
     for name, times in (('Time', np.arange(N) / 1000.0), ('clock', stamps)):

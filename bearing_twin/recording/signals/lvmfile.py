@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from itertools import pairwise
 import re
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -24,11 +24,19 @@ if TYPE_CHECKING:
 BEGIN = 'LabVIEW Measurement'
 END = '***End_of_Header***'
 DAY = 86_400.0
+NUMBERS = {
+    'X0': 'the time of the first sample in s, e.g. 0.0',
+    'Delta_X': 'the time from one sample to the next in s, e.g. 3.90625E-5',
+}
+"""Numbers of the header that are read, with what to write there."""
+LARGEST = 1e12
+"""Largest of these numbers."""
 
 
 class _Part(NamedTuple):
     """What LabVIEW wrote at once, with a header of its own."""
 
+    path: Path
     said: dict[str, list[str]]
     """Lines of the header by their keys; a field is above the column that it describes."""
     names: list[str]
@@ -40,6 +48,18 @@ class _Part(NamedTuple):
         """Return what the header says of a column; '' if nothing."""
         return ''.join(self.said.get(key, [])[column : column + 1])
 
+    def number(self, key: str, column: int, missing: str) -> Decimal:
+        """Return what `field` says as a number; ``missing`` if it says nothing."""
+        text = self.field(key, column).strip()
+        try:
+            value = Decimal(text or missing)
+            if not text or abs(value) < LARGEST:
+                return value
+        except InvalidOperation:
+            pass
+        msg = f'{self.path}: its header has {text[:40]!r} as {key} of column {column}'
+        raise BearingTwinError(f'{msg}; write {NUMBERS[key]}')
+
     def times(self, column: int) -> NDArray[np.float64]:
         """Return the times of a column, s; empty where the file has none."""
         before = [k for k in range(column) if self.names[k] == 'X_Value']
@@ -48,9 +68,16 @@ class _Part(NamedTuple):
 
     def start(self) -> float:
         """Return the time of day of the first sample, s; NaN if it is not stated."""
-        clock = (self.field('Time', 1) or 'nan').replace(',', '.').split(':')
-        seconds = sum(float(v) * 60.0**k for k, v in enumerate(reversed(clock)))
-        return seconds + float(self.field('X0', 1) or 0.0)
+        text = self.field('Time', 1) or 'nan'
+        clock = text.replace(',', '.').split(':')
+        try:
+            seconds = sum(float(v) * 60.0**k for k, v in enumerate(reversed(clock)))
+        except ValueError:
+            msg = f'{self.path}: its header has {text[:40]!r} as Time of a part'
+            raise BearingTwinError(
+                f'{msg}; write hours, minutes and seconds: 10:32:39.5'
+            ) from None
+        return seconds + float(self.number('X0', 1, '0'))
 
 
 def read_lvm(path: Path) -> dict[str, Any]:
@@ -77,7 +104,7 @@ def read_lvm(path: Path) -> dict[str, Any]:
         # A comma at the end of a line is gone.
         if separator != ',' and re.search(r'^Decimal_Separator\t(?!\.)', head, re.MULTILINE):
             bodies = [body.replace(',', '.') for body in bodies]
-        parts = [part for body in bodies if (part := _part(body, separator)).table.size]
+        parts = [part for body in bodies if (part := _part(path, body, separator)).table.size]
         if not parts:
             raise BearingTwinError(f'{path} holds no samples below headings; write some with both')
         run = max(_runs(parts), key=lambda run: sum(part.table.shape[1] for part in run))
@@ -99,7 +126,7 @@ def read_lvm(path: Path) -> dict[str, Any]:
     return {**found, 'each': each, 'remark': remark}
 
 
-def _part(body: str, separator: str) -> _Part:
+def _part(path: Path, body: str, separator: str) -> _Part:
     header, _, rows = body.partition(END)
     said = {line[0]: line for line in (fields_of(v, separator) for v in header.splitlines()[1:])}
     heading, *lines = [line for line in rows.splitlines() if line.strip(f'{separator} ')]
@@ -115,15 +142,23 @@ def _part(body: str, separator: str) -> _Part:
     except ValueError:
         for row, line in enumerate(lines):
             fields = fields_of(line, separator)
-            table[used, row] = [float(''.join(fields[k : k + 1]).strip() or 'nan') for k in used]
-    return _Part(said, names, table)
+            try:
+                table[used, row] = [
+                    float(''.join(fields[k : k + 1]).strip() or 'nan') for k in used
+                ]
+            except ValueError:
+                msg = f'{path}: row {row + 1} below its headings is {line[:60]!r}'
+                raise BearingTwinError(
+                    f'{msg}; fill or remove fields that are no numbers'
+                ) from None
+    return _Part(path, said, names, table)
 
 
 def _runs(parts: list[_Part]) -> list[list[_Part]]:
     """Return the parts in runs without a gap: each begins where the one before it ends."""
     runs = [parts[:1]]
     for before, part in pairwise(parts):
-        step = float(part.field('Delta_X', 1) or 'nan')
+        step = float(part.number('Delta_X', 1, 'nan'))
         gap = part.start() - before.start() - step * before.table.shape[1]
         if part.names == before.names and abs((gap + DAY / 2.0) % DAY - DAY / 2.0) < step:
             runs[-1].append(part)
@@ -136,9 +171,9 @@ def _rate(part: _Part, column: int) -> dict[str, Any]:
     """Return the sample rate; LabVIEW may print Delta_X with six decimals: 0.000039 s."""
     times = part.times(column)
     told = rate_of_times('time [s]', times)
-    step = Decimal(part.field('Delta_X', column) or 0)
+    step = part.number('Delta_X', column, '0')
     decimals = -int(step.as_tuple().exponent)
-    if step <= 0 or (times.size > 1 and not is_even(times)):
+    if not float(step) > 0.0 or (times.size > 1 and not is_even(times)):
         return told
     if decimals < 6 or 0.5 * 0.1**decimals < 1e-3 * float(step):
         return {'fs': np.array(nominal_rate(1.0 / float(step)))}
