@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timedelta, timezone
 import json
 from pathlib import Path
 import re
@@ -12,6 +13,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.recording.signals.signalfile import read_signal
+from bearing_twin.recording.signals.snapshots import read_snapshots, series_files
 import h5py
 from nptdms import ChannelObject, RootObject, TdmsWriter
 import numpy as np
@@ -397,3 +399,32 @@ def test_files_of_every_kind_are_snapshots_of_a_series(
     words = ['--series', '--channel', 'DE', '--bearing', '6205', '--rpm', '1797', '--json']
     assert main(['diagnose', str(tmp_path), *words]) == 0
     assert 'outer' in capsys.readouterr().out
+
+
+def test_snapshots_are_as_far_apart_as_the_clocks_in_their_files(tmp_path: Path) -> None:
+    """The names have no times, or other ones."""
+    begin = datetime(2026, 11, 30, 10, tzinfo=timezone.utc)
+    for hours in range(3):
+        time = begin + timedelta(hours=hours)
+        # The first one of the channels counts; one that was never set does not.
+        starts = [np.datetime64(v, 's') for v in ('1904-01-01', f'{time:%Y-%m-%dT%H:%M}')]
+        with TdmsWriter(tmp_path / f'{9 - hours}.tdms') as writer:
+            said = {'wf_increment': 1.0 / RATE}
+            for name, start in zip(('none', 'DE'), starts, strict=True):
+                properties = {**said, 'wf_start_time': start}
+                writer.write_segment([ChannelObject('g', name, DE[:99], properties)])
+        for binary, name in enumerate((f'2020-01-0{9 - hours}_10-00-00.uff', f'{9 - hours}.unv')):
+            dated = data_set('DE', DE[:99], binary=binary, id3=f'{time:%d-%b-%y %H:%M:%S}'.upper())
+            pyuff.UFF(str(tmp_path / name)).write_sets(dated, 'add')
+        lvm(tmp_path / f'{9 - hours}.lvm', clock=(f'{time:%H:%M:%S}.25',))
+    for kind, fraction in (('tdms', 0.0), ('uff', 0.0), ('unv', 0.0), ('lvm', 0.25)):
+        files = series_files(sorted(tmp_path.glob(f'*.{kind}')))
+        times = [shot.time for shot in read_snapshots(files, channel='DE')]
+        assert times == [begin.timestamp() + 3600.0 * hours + fraction for hours in range(3)], kind
+        fixed = [shot.time for shot in read_snapshots(files, channel='DE', cycle=5.0)]
+        assert fixed == [0.0, 5.0, 10.0]
+    lvm(tmp_path / '2026-12-01_00-00-00.lvm', clock=('?',), delta='1')
+    text = (tmp_path / '2026-12-01_00-00-00.lvm').read_text()
+    (tmp_path / '2026-12-01_00-00-00.lvm').write_text(text.replace('Time\t', 'Time\t?'))
+    named = read_snapshots([tmp_path / '2026-12-01_00-00-00.lvm'], channel='DE')
+    assert next(named).time == datetime(2026, 12, 1, tzinfo=timezone.utc).timestamp()

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.csvfile import fields_of, table_text
-from bearing_twin.recording.signals.reading import distinct, readable
+from bearing_twin.recording.signals.reading import clock_time, distinct, head_of, readable
 from bearing_twin.recording.signals.timecolumn import is_even, nominal_rate, rate_of_times
 import numpy as np
 
@@ -124,6 +124,19 @@ def read_lvm(path: Path) -> dict[str, Any]:
         raise BearingTwinError(f'{msg}; write the time record')
     remark = f' (the longest of {len(parts)} parts without a gap)' if len(run) < len(parts) else ''
     return {**found, 'each': each, 'remark': remark}
+
+
+def lvm_start(path: Path) -> float | None:
+    """Return date and time of the first part, s since 1970; None if they are not stated."""
+    head, _, rest = head_of(path).partition('\nChannels')
+    stated = []
+    for key, form in (('Date', r'\d+/\d+/\d+'), ('Time', r'\d+:\d+:\d+(?:[.,]\d{1,6})?')):
+        # What the header of the part says goes before what that of the file says.
+        where = re.compile(rf'^{key}[\t,]({form})', re.MULTILINE)
+        found = where.search(rest.partition(END)[0]) or where.search(head)
+        stated.append(found[1].replace(',', '.') if found else '')
+    decimals = '.%f' if '.' in stated[1] else ''
+    return clock_time(' '.join(stated), f'%Y/%m/%d %H:%M:%S{decimals}')
 
 
 def _part(path: Path, body: str, separator: str) -> _Part:

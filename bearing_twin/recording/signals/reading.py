@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from contextlib import contextmanager
+from datetime import datetime, timezone
 from importlib import import_module
 from typing import Any, TYPE_CHECKING
 
@@ -59,6 +60,26 @@ def refuse_large(path: Path, values: int) -> None:
     if not 0 <= values <= most:
         msg = f'{path} holds {values} values; at most {most} are read: cut it into pieces'
         raise BearingTwinError(msg)
+
+
+def head_of(path: Path) -> str:
+    """Return the first megabyte of a file as text."""
+    with readable(path, 'text', 'is it complete?'), path.open('rb') as opened:
+        return opened.read(1_000_000).decode('latin-1')
+
+
+def clock_time(text: str, form: str) -> float | None:
+    """
+    Return a date and time, s since 1970 as if in UTC; None if the text has another form.
+
+    >>> clock_time('30-NOV-26 10:00:00', '%d-%b-%y %H:%M:%S')
+    1796032800.0
+
+    """
+    try:
+        return datetime.strptime(text, form).replace(tzinfo=timezone.utc).timestamp()
+    except ValueError:
+        return None
 
 
 def distinct(names: Sequence[str]) -> list[str]:

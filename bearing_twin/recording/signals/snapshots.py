@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from datetime import datetime, timezone
 import math
 import re
 from typing import Any, TYPE_CHECKING
@@ -13,10 +12,15 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import real_numbers
 from bearing_twin.recording.finding import ending, natural, SIGNAL_FILES
+from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
+from bearing_twin.recording.signals.lvmfile import lvm_start
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
+from bearing_twin.recording.signals.reading import clock_time
 from bearing_twin.recording.signals.signalfile import read_signal, Signal
+from bearing_twin.recording.signals.tdmsfile import tdms_start
+from bearing_twin.recording.signals.ufffile import uff_start
 from bearing_twin.stamps import NANO
 import numpy as np
 
@@ -31,6 +35,14 @@ NAMED_TIME = re.compile(
     r'(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_.T ]?(\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?!\d)'
 )
 """Date and time (year to second) in the name of a file."""
+STARTS: dict[str, Callable[[Path], float | None]] = {
+    '.mcap': lambda path: recording_info(path).start / NANO,
+    '.tdms': tdms_start,
+    '.uff': uff_start,
+    '.unv': uff_start,
+    '.lvm': lvm_start,
+}
+"""How the time at which a file begins is read, s since 1970, by its suffix; None if unknown."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +104,8 @@ def read_snapshots(
     A file with ``temp_t_s`` and ``temp_C`` gives the temperature for all snapshots. A folder of
     ``bearing-datasets`` holds many snapshots, with their times in ``time_s`` of its table. Any
     other file is one snapshot. Its time is ``time_s`` in the file, or else its position in the
-    order times ``cycle``. Without a cycle it is the time of the first message of an MCAP file, or
+    order times ``cycle``. Without a cycle it is the time of the first message of an MCAP file,
+    ``wf_start_time`` of a .tdms file, date and time in the header of a .uff or .lvm file, or else
     the date and time in the file name. If all files have times, their order does not matter.
 
     Parameters
@@ -157,8 +170,10 @@ def _stated(files: Sequence[Path], cycle: float | None) -> _Stated:
         try:
             if path.suffix.lower() == '.npz':
                 said = read_npz(path, ('temp_t_s', 'temp_C', 't_s', 'time_s'))
-            elif path.suffix.lower() == '.mcap' and cycle is None:
-                said = {'time_s': recording_info(path).start / NANO}
+            elif cycle is None and path.suffix.lower() in STARTS:
+                refuse_special(path)
+                start = STARTS[path.suffix.lower()](path)
+                said = {} if start is None else {'time_s': start}
         except BearingTwinError:
             # The error is reported when the file is read for its snapshots.
             continue
@@ -181,11 +196,7 @@ def _stated(files: Sequence[Path], cycle: float | None) -> _Stated:
 def _named_time(name: str) -> float | None:
     """Return date and time in a file name, s since 1970 in UTC; None if there is none."""
     found = NAMED_TIME.search(name)
-    try:
-        when = datetime.strptime(' '.join(found.groups()), '%Y %m %d %H %M %S') if found else None
-    except ValueError:
-        return None
-    return when.replace(tzinfo=timezone.utc).timestamp() if when else None
+    return clock_time(' '.join(found.groups()), '%Y %m %d %H %M %S') if found else None
 
 
 def _of_file(

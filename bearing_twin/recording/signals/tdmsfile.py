@@ -76,6 +76,19 @@ def read_tdms(path: Path) -> dict[str, Any]:
     return {**found, 'each': each, 'remark': TORN if torn else ''}
 
 
+def tdms_start(path: Path) -> float | None:
+    """Return the earliest ``wf_start_time`` of a channel, s since 1970; None if none is stated."""
+    nptdms = library('nptdms', path)
+    with readable(path, '.tdms', 'is it complete?'), path.open('rb') as opened:
+        groups = nptdms.TdmsFile.read_metadata(opened).groups()
+        said = [
+            channel.properties.get('wf_start_time') for g in groups for channel in g.channels()
+        ]
+    stamps = [v.astype('M8[us]').astype(float) / 1e6 for v in said if isinstance(v, np.datetime64)]
+    # One that was never set is the begin of the year 1904.
+    return min((stamp for stamp in stamps if stamp > 0.0), default=None)
+
+
 def _described(said: Mapping[str, Any]) -> dict[str, Any]:
     """Return sample rate, unit, and further numbers and texts of the properties of a channel."""
     plain = {key: np.array(v) for key, v in said.items() if isinstance(v, (int, float, str))}

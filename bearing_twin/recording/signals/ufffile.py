@@ -6,10 +6,18 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.signals.reading import distinct, library, readable, TORN
+from bearing_twin.recording.signals.reading import (
+    clock_time,
+    distinct,
+    head_of,
+    library,
+    readable,
+    TORN,
+)
 from bearing_twin.recording.signals.timecolumn import rate_of_times, SECONDS
 import numpy as np
 
@@ -25,6 +33,8 @@ FUNCTIONS = (
 """Function types of data set 58, from 0."""
 ACCELERATION, TIME = 12, 17
 """Codes of data types."""
+HEADER = re.compile(r'^ +-1 *\r?\n +58b?\b.*\n.*\n.*\n(.*)', re.MULTILINE)
+"""Begin of a data set 58 up to its third text, date and time."""
 AXES = {1: '+X', -1: '-X', 2: '+Y', -2: '-Y', 3: '+Z', -3: '-Z'}
 
 
@@ -85,6 +95,12 @@ def read_uff(path: Path) -> dict[str, Any]:
             found[name], unit = found[name] / scale, 'm/s^2'
         each[name]['unit'] = np.array(unit)
     return {**found, 'each': each, 'remark': TORN if torn else ''}
+
+
+def uff_start(path: Path) -> float | None:
+    """Return date and time of the first data set 58, s since 1970; None if none is stated."""
+    found = HEADER.search(head_of(path))
+    return clock_time(found[1].strip(), '%d-%b-%y %H:%M:%S') if found else None
 
 
 def _rate(data: dict[str, Any]) -> dict[str, Any]:
