@@ -111,7 +111,7 @@ def record_life(target: Path) -> None:
         def put(topic: str, message: Any) -> None:
             writer.write(
                 topic, f'{type(message).__module__.split(".")[0]}/msg/{type(message).__name__}',
-                serialize_message(message), log_time=at, publish_time=at, qos=sensor_qos(),
+                serialize_message(message), log_time=at, qos=sensor_qos(),
             )  # fmt: skip
 
         for minute in range(MINUTES):
@@ -134,7 +134,7 @@ def record_life(target: Path) -> None:
                 put('/vibration', vibration)
                 for said in diagnosis.push(vibration, temperature=degrees):
                     writer.write(
-                        said.topic, said.type_name, said.cdr, log_time=at, publish_time=at,
+                        said.topic, said.type_name, said.cdr, log_time=at,
                         qos=sensor_qos(),
                     )  # fmt: skip
                     if said.topic == '/diagnosis':

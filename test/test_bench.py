@@ -134,7 +134,7 @@ def test_lost_blocks_are_counted_and_those_of_a_second_twin_are_refused(tmp_path
                 for topic, message in (('/vibration', block), ('/twin_state', TwinState())):
                     data = serialize_message(message)
                     kind = f'bearing_twin_msgs/msg/{type(message).__name__}'
-                    writer.write(topic, kind, data, log_time=n, publish_time=n)
+                    writer.write(topic, kind, data, log_time=n)
 
     blocks = [n for n in range(10) if n not in lost]
     write(blocks)

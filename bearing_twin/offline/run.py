@@ -377,6 +377,4 @@ class _DiagnosisSide:
         return [f'at {seconds:.1f} s {sentence}' for sentence in new]
 
     def _write(self, made: Output, time: int) -> None:
-        self._writer.write(
-            made.topic, made.type_name, made.cdr, log_time=time, publish_time=time, qos=self._qos
-        )
+        self._writer.write(made.topic, made.type_name, made.cdr, log_time=time, qos=self._qos)

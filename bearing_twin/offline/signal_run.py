@@ -60,9 +60,7 @@ def record_signal(
             now = START + samples_ns(first + len(samples), signal.sample_rate)
             made = run.push(message, temperature=signal.temperature)
             for each in (output('/vibration', message), *made):
-                writer.write(
-                    each.topic, each.type_name, each.cdr, log_time=now, publish_time=now, qos=qos
-                )
+                writer.write(each.topic, each.type_name, each.cdr, log_time=now, qos=qos)
 
 
 def _parameters(bearing: Bearing, length: float) -> dict[str, Any]:

@@ -265,4 +265,4 @@ def write_temperature_recording(
                 variance=0.0,
             )
             cdr = bytes(store.serialize_cdr(message, TEMPERATURE))
-            writer.write(topic, TEMPERATURE, cdr, log_time=ns, publish_time=ns, qos=qos)
+            writer.write(topic, TEMPERATURE, cdr, log_time=ns, qos=qos)

@@ -177,7 +177,7 @@ class RecordingWriter:
         cdr: bytes,
         *,
         log_time: int,
-        publish_time: int,
+        publish_time: int | None = None,
         qos: str = '',
         schema: MessageSchema | None = None,
     ) -> None:
@@ -191,7 +191,7 @@ class RecordingWriter:
         cdr
             The message with its CDR header, as received.
         log_time, publish_time
-            Time of reception and time of sending, ns.
+            Time of reception and time of sending, ns. With None it was received as it was sent.
         qos
             Offered QoS profiles, YAML (:func:`bearing_twin.recording.qos.qos_yaml`). Those of the
             first message of a topic are stored.
@@ -200,6 +200,7 @@ class RecordingWriter:
 
         """
         schema = schema or message_schema(type_name)
+        publish_time = log_time if publish_time is None else publish_time
         if not (0 <= log_time < LATEST and 0 <= publish_time < LATEST):
             raise BearingTwinError(f'{log_time=}, {publish_time=}: times are 0..{LATEST - 1} ns')
         self.take(MessageToStore(topic, type_name, cdr, log_time, publish_time, qos, schema))

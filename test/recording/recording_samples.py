@@ -59,6 +59,15 @@ def vibration_cdr(index: int, *, length: int = BLOCK, hung: int = 0) -> bytes:
     return bytes(types.serialize_cdr(message, VIBRATION))
 
 
+def put_block(
+    writer: RecordingWriter, index: int, time: int | None = None, *, hung: int = 0
+) -> None:
+    """Write block ``index``, received when it is due or at ``time`` ns."""
+    time = START + index * PERIOD if time is None else time
+    cdr = vibration_cdr(index, hung=hung)
+    writer.write('/vibration', VIBRATION, cdr, log_time=time, qos=QOS)
+
+
 def temperature_cdr(ns: int, value: float) -> bytes:
     """Return a sensor_msgs/Temperature."""
     types = store(TEMPERATURE)

@@ -132,8 +132,7 @@ def test_slow_topics_may_have_a_chunk_for_each_message(
         for second in range(400):
             at = START + second * NANO
             writer.write(
-                '/temperature', TEMPERATURE, temperature_cdr(at, 40.0), log_time=at,
-                publish_time=at, qos=QOS,
+                '/temperature', TEMPERATURE, temperature_cdr(at, 40.0), log_time=at, qos=QOS,
             )  # fmt: skip
             writer.flush()
     # Only what the size of the file allows: nothing that any small file may cost.

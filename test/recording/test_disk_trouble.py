@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from contextlib import contextmanager, suppress
-import os
 import resource
 import shutil
 import sys
@@ -13,16 +12,15 @@ import tracemalloc
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli import main
-from bearing_twin.errors import BearingTwinError, REFUSED
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.recover import find_unfinished, recover
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
-from bearing_twin.ros.processes.launching import NodeProcesses
 from bearing_twin.streams.statefile import StateFolder
 import pytest
-from recording_samples import START, VIBRATION, vibration_cdr
+from recording_samples import put_block, START, vibration_cdr
 import yaml
 
 if TYPE_CHECKING:
@@ -51,13 +49,7 @@ def file_size_limit(size: int) -> Iterator[None]:
 
 
 def put(writer: RecordingWriter, index: int) -> None:
-    writer.write(
-        '/vibration',
-        VIBRATION,
-        vibration_cdr(index),
-        log_time=START + index,
-        publish_time=START + index,
-    )
+    put_block(writer, index, START + index)
     writer.flush()
 
 
@@ -267,17 +259,6 @@ def test_no_descriptor_left_keeps_no_recorder_from_its_search(tmp_path: Path) ->
         for file in held:
             file.close()
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
-
-
-def test_nodes_import_nothing_from_the_working_directory(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / 'numpy.py').write_text('raise SystemExit(7)')
-    monkeypatch.chdir(tmp_path)
-    with NodeProcesses(tmp_path / 'logs', os.environ) as nodes:
-        nodes.start('recorder', {'output': str(tmp_path / 'run'), 'compression': 'no such'})
-        assert nodes.wait('recorder', 60.0) == REFUSED
-    assert 'is not one of zstd, lz4, none' in (tmp_path / 'logs' / 'recorder.log').read_text()
 
 
 def test_a_state_on_a_full_disk_takes_no_name(tmp_path: Path) -> None:

@@ -78,7 +78,7 @@ def test_a_recording_with_hostile_qos_is_read_and_recovered(tmp_path: Path) -> N
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
         for number, text in enumerate((MERGES, LISTS, 'x: 2001-99-99', '{[a]: b}')):
             cdr = temperature_cdr(5, 1.0)
-            writer.write(f'/t{number}', TEMPERATURE, cdr, log_time=5, publish_time=5, qos=text)
+            writer.write(f'/t{number}', TEMPERATURE, cdr, log_time=5, qos=text)
     report = recover(tmp_path / 'run.mcap', tmp_path / 'saved')
     assert report.kept == 4
     assert recording_info(tmp_path / 'saved').count == 4

@@ -31,7 +31,6 @@ def recording(tmp_path: Path) -> Path:
                     TEMPERATURE,
                     temperature_cdr(time, float(k)),
                     log_time=time,
-                    publish_time=time,
                 )
     return path
 
@@ -108,7 +107,7 @@ def test_refusals(recording: Path, section: dict[str, object], text: str) -> Non
 
 def test_a_recording_of_one_instant_loops_without_holding_the_caller(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
-        writer.write('/a', TEMPERATURE, temperature_cdr(0, 1.0), log_time=5, publish_time=5)
+        writer.write('/a', TEMPERATURE, temperature_cdr(0, 1.0), log_time=5)
     player = Player(tmp_path / 'run.mcap', loop=True)
     assert len(list(player.due(0.0))) == 1
     assert len(list(player.due(1.0))) == 1

@@ -14,7 +14,7 @@ from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.streams.statefile import NodeStates, StateFolder
 from loopdisk import loop_disk
 import pytest
-from recording_samples import START, VIBRATION, vibration_cdr
+from recording_samples import put_block, START
 import yaml
 
 if TYPE_CHECKING:
@@ -60,10 +60,7 @@ def test_a_state_survives_a_power_cut(disk: Disk) -> None:
 def test_a_finished_bag_survives_a_power_cut(disk: Disk) -> None:
     with RecordingWriter(disk.path / 'run') as writer:
         for index in range(20):
-            log_time = START + index
-            writer.write(
-                '/v', VIBRATION, vibration_cdr(index), log_time=log_time, publish_time=log_time
-            )
+            put_block(writer, index)
     time.sleep(2.5)
     bag = disk.cut() / 'run'
     assert len(list(read_messages(bag))) == 20
@@ -76,8 +73,7 @@ def test_a_power_cut_costs_the_sync_and_the_flush_period(disk: Disk, tmp_path: P
     writer = RecordingWriter(disk.path / 'run', options)
     began = time.monotonic()
     while (now := time.monotonic() - began) < 4.0:
-        log_time = START + round(now * 1e9)
-        writer.write('/v', VIBRATION, vibration_cdr(0), log_time=log_time, publish_time=log_time)
+        put_block(writer, 0, START + round(now * 1e9))
         time.sleep(0.02)
     after = disk.cut() / 'run'
     writer.close()

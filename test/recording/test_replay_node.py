@@ -139,7 +139,7 @@ def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: P
             channel = replace(message.channel, type_hash='RIHS01_' + '0' * 64)
             writer.copy(message._replace(channel=channel))
         at = message.log_time
-        writer.write('/t', TEMPERATURE, temperature_cdr(5, 20.0), log_time=at, publish_time=at)
+        writer.write('/t', TEMPERATURE, temperature_cdr(5, 20.0), log_time=at)
     with ForkedNodes(tmp_path / 'logs', os.environ) as nodes:
         recording = str(tmp_path / 'other.mcap')
         nodes.start('replay', {'recording': recording, 'subscriber_timeout': 0.0, 'rate': 1e6})

@@ -215,9 +215,7 @@ def record(path: Path, run: DiagnosisRun, simulator: Simulator, speeds: dict[int
                 made.append(run.checkpoint_output(block))
             made += run.push(message, temperature=math.nan, joint_hz=hz)
             for each in made:
-                writer.write(
-                    each.topic, each.type_name, each.cdr, log_time=stamp, publish_time=stamp
-                )
+                writer.write(each.topic, each.type_name, each.cdr, log_time=stamp)
 
 
 @pytest.mark.parametrize('joint', ['silent', 'begins', 'steady', 'moves'])

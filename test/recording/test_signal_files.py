@@ -24,11 +24,10 @@ from recording_samples import (
     header,
     NANO,
     PERIOD,
+    put_block,
     RATE,
     START,
     store,
-    VIBRATION,
-    vibration_cdr,
     write_blocks,
 )
 from scipy.io import loadmat, savemat, wavfile
@@ -315,9 +314,7 @@ def test_our_own_recording(tmp_path: Path) -> None:
 def test_the_longest_stretch_without_a_gap_is_taken(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
         for index in [*range(5), *range(10, 22), *range(30, 34)]:
-            time = START + index * PERIOD
-            cdr = vibration_cdr(index)
-            writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time)
+            put_block(writer, index)
     signal = read_signal(tmp_path / 'run.mcap')
     expected = 2.0 * np.sin(0.01 * np.arange(10 * BLOCK, 22 * BLOCK)).astype(np.float32)
     np.testing.assert_array_equal(signal.x, expected)
@@ -328,9 +325,7 @@ def test_blocks_that_repeat_the_one_before_are_left_out(tmp_path: Path) -> None:
         # The driver sends blocks twice, and then hangs for 20 of them.
         sent = [(k, 0) for k in range(5) for _ in range(2)]
         for index, hung in [*sent, *((5 + k, 1 + k) for k in range(20)), (25, 0)]:
-            time = START + index * PERIOD
-            cdr = vibration_cdr(index, hung=hung)
-            writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time)
+            put_block(writer, index, hung=hung)
     signal = read_signal(tmp_path / 'run.mcap')
     expected = 2.0 * np.sin(0.01 * np.arange(5 * BLOCK)).astype(np.float32)
     np.testing.assert_array_equal(signal.x, expected)
@@ -341,9 +336,7 @@ def test_recordings_of_a_series_are_as_far_apart_as_their_first_messages(tmp_pat
     for number in range(3):
         with RecordingWriter(tmp_path / f'{number}.mcap') as writer:
             for index in range(3):
-                time = START + 3600 * number * NANO + index * PERIOD
-                cdr = vibration_cdr(index)
-                writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time)
+                put_block(writer, index, START + 3600 * number * NANO + index * PERIOD)
     files = [tmp_path / f'{number}.mcap' for number in (2, 0, 1)]
     times = [snapshot.time for snapshot in read_snapshots(files)]
     assert np.diff(times).tolist() == [3600.0, 3600.0]
@@ -369,7 +362,7 @@ def write_imu(path: Path, times: np.ndarray) -> None:
                 linear_acceleration_covariance=nine,
             )
             cdr = bytes(types.serialize_cdr(message, IMU))
-            writer.write('/imu', IMU, cdr, log_time=ns, publish_time=ns)
+            writer.write('/imu', IMU, cdr, log_time=ns)
 
 
 def test_imu_of_anybody(tmp_path: Path) -> None:

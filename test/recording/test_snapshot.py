@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def put(writer: SnapshotWriter, second: int) -> None:
     time = START + second * NANO
     cdr = temperature_cdr(time, float(second))
-    writer.write('/t', TEMPERATURE, cdr, log_time=time, publish_time=time)
+    writer.write('/t', TEMPERATURE, cdr, log_time=time)
 
 
 def seconds(path: Path, *, recover: bool = False) -> list[int]:

@@ -24,12 +24,11 @@ import pytest
 from recording_samples import (
     NANO,
     PERIOD,
-    QOS,
+    put_block,
     START,
     TEMPERATURE,
     temperature_cdr,
     VIBRATION,
-    vibration_cdr,
     write_blocks,
 )
 from rosbags.convert.cli import main as convert_bag
@@ -179,7 +178,7 @@ def test_messages_out_of_order_come_in_order(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
         for time in times:
             cdr = temperature_cdr(time, float(time))
-            writer.write('/t', TEMPERATURE, cdr, log_time=time, publish_time=time)
+            writer.write('/t', TEMPERATURE, cdr, log_time=time)
             if time % 2:
                 writer.flush()
     found = [m.decode().temperature for m in read_messages(tmp_path / 'run.mcap')]
@@ -218,7 +217,7 @@ def test_storage_limit_stops(tmp_path: Path) -> None:
     limit = 200_000
     with RecordingWriter(tmp_path / 'run', WriterOptions(storage_limit=limit)) as writer:
         for index in range(100):
-            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            put_block(writer, index, index)
             writer.flush()
         assert 'storage limit' in writer.stopped
         assert writer.written + writer.dropped == 100
@@ -233,7 +232,7 @@ def test_storage_limit_holds_where_a_file_may_be_larger(tmp_path: Path) -> None:
     )
     with RecordingWriter(tmp_path / 'run', options) as writer:
         for index in range(200):
-            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            put_block(writer, index, index)
             writer.flush()
         assert writer.size < 210_000
     assert recording_info(tmp_path / 'run').count > 10
@@ -246,7 +245,7 @@ def test_what_files_of_a_bag_repeat_is_no_problem(
     with RecordingWriter(tmp_path / 'run') as writer:
         writer.metadata('told', {'text': 'x' * 8000})
         for index in range(5):
-            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            put_block(writer, index, index)
             writer.split()
     info = recording_info(tmp_path / 'run')
     assert not info.problems
@@ -256,7 +255,7 @@ def test_what_files_of_a_bag_repeat_is_no_problem(
 def test_an_interrupted_result_is_not_left(tmp_path: Path) -> None:
     def interrupted() -> None:
         with whole_recording(tmp_path / 'run') as writer:
-            writer.write('/v', VIBRATION, vibration_cdr(0), log_time=0, publish_time=0)
+            put_block(writer, 0)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -271,7 +270,7 @@ def test_storage_limit_deletes_its_own_oldest_files_only(tmp_path: Path) -> None
     with RecordingWriter(tmp_path / 'run', options) as writer:
         (tmp_path / 'run' / 'other.txt').write_text('not ours')
         for index in range(200):
-            writer.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            put_block(writer, index, index)
             writer.flush()
         assert writer.dropped == 0
     assert (tmp_path / 'run' / 'other.txt').exists()
@@ -291,7 +290,7 @@ def test_the_list_of_files_is_bounded(
     options = WriterOptions(split_size=1, storage_limit=10**9, delete_oldest=delete)
     with RecordingWriter(run, options) as to:
         for index in range(10):
-            to.write('/v', VIBRATION, vibration_cdr(index), log_time=index, publish_time=index)
+            put_block(to, index, index)
             to.flush()
         assert len(to._finished.files) == 3
         on_disk = {path.name: path.stat().st_size for path in run.glob('*.mcap')}
@@ -321,9 +320,9 @@ def test_options_that_do_not_fit(
 def test_unknown_types_and_impossible_times_are_refused(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
         with pytest.raises(BearingTwinError, match='not installed'):
-            writer.write('/a', 'no_such/msg/Type', b'', log_time=0, publish_time=0)
+            writer.write('/a', 'no_such/msg/Type', b'', log_time=0)
         with pytest.raises(BearingTwinError, match='no message type'):
-            writer.write('/a', '../../etc/passwd', b'', log_time=0, publish_time=0)
+            writer.write('/a', '../../etc/passwd', b'', log_time=0)
         with pytest.raises(BearingTwinError, match='log_time=-1'):
             writer.write('/a', TEMPERATURE, b'', log_time=-1, publish_time=0)
 
@@ -346,10 +345,7 @@ def test_two_sources_on_one_topic_are_said_to_be_two(tmp_path: Path) -> None:
         for count in range(20):
             for source in (0, 858_926):
                 time = START + (2 * count + (source > 0)) * PERIOD
-                cdr = vibration_cdr(source + count + (count > 10))
-                writer.write(
-                    '/vibration', VIBRATION, cdr, log_time=time, publish_time=time, qos=QOS
-                )
+                put_block(writer, source + count + (count > 10), time)
     health = examine(tmp_path / 'run.mcap')[1]
     topic = health.topics['/vibration']
     assert topic.alternations >= 30
@@ -361,9 +357,7 @@ def test_two_sources_on_one_topic_are_said_to_be_two(tmp_path: Path) -> None:
 def test_health_finds_what_is_missing(tmp_path: Path) -> None:
     with RecordingWriter(tmp_path / 'run.mcap') as writer:
         for index in [0, 1, 2, 5, 6, 4, 7]:
-            time = START + index * PERIOD
-            cdr = vibration_cdr(index)
-            writer.write('/vibration', VIBRATION, cdr, log_time=time, publish_time=time, qos=QOS)
+            put_block(writer, index)
     health = examine(tmp_path / 'run.mcap')[1]
     topic = health.topics['/vibration']
     # 2 -> 5 leaves out two blocks, 6 -> 4 goes back, 4 -> 7 leaves out two again.
@@ -388,7 +382,7 @@ def test_many_topics_cost_what_they_hold(tmp_path: Path) -> None:
     path = tmp_path / 'a.mcap'
     with RecordingWriter(path, WriterOptions(compression='none', flush_period=60.0)) as writer:
         for k in range(20_000):
-            writer.write(f'/t{k}', TEMPERATURE, bytes(100), log_time=k, publish_time=k)
+            writer.write(f'/t{k}', TEMPERATURE, bytes(100), log_time=k)
     # Each is described once, and once or twice again: not all of them in each chunk.
     assert path.stat().st_size < 20_000 * 3000
     assert recording_info(path).count == 20_000

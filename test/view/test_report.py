@@ -211,7 +211,7 @@ def test_the_most_urgent_machine_comes_first(tmp_path):
                 writer.write(
                     f'/{name}/diagnosis', 'bearing_twin_msgs/msg/Diagnosis',
                     serialize_message(made[min(time // 4, len(made) - 1)]),
-                    log_time=time, publish_time=time,
+                    log_time=time,
                 )  # fmt: skip
     page = report_page(tmp_path / 'fleet')
     links = re.findall(r'<tr><th><a href="#(\w+)">/(\w)</a></th>', page)
@@ -381,9 +381,7 @@ def test_a_verdict_without_a_speed_has_no_table_of_orders(tmp_path, shaft_hz):
     made = Diagnosis(result_name='inner', bpfo=76.9, bpfi=126.3, shaft_hz=shaft_hz)
     with RecordingWriter(tmp_path / 'speedless') as writer:
         cdr = serialize_message(made)
-        writer.write(
-            '/diagnosis', 'bearing_twin_msgs/msg/Diagnosis', cdr, log_time=1, publish_time=1
-        )
+        writer.write('/diagnosis', 'bearing_twin_msgs/msg/Diagnosis', cdr, log_time=1)
     text = report_page(tmp_path / 'speedless')
     assert 'Inner race fault' in text
     assert 'significance / limit' not in text

@@ -76,7 +76,7 @@ def test_a_picture_begins_with_the_vibration(recording, tmp_path):
             time = message.log_time - START + today + (0 if early else 20 * SECOND)
             writer.write(
                 message.topic, message.type_name, message.cdr,
-                log_time=time, publish_time=time, qos='',
+                log_time=time, qos='',
             )  # fmt: skip
     assert draw_recordings([late], rrd) == {}
     vibration = next(read_messages(late, topics=['/vibration'])).log_time

@@ -258,7 +258,7 @@ def stopped(tmp_path_factory):
                 (message.topic, message.type_name, message.cdr),
                 ('/joint_states', JOINTS, bytes(store.serialize_cdr(turning, JOINTS))),
             ):
-                writer.write(topic, name, cdr, log_time=now, publish_time=now, qos='')
+                writer.write(topic, name, cdr, log_time=now, qos='')
     run_offline(source, source.with_suffix(''), twin={'defect': 'inner', 'joint': 'shaft'})
     return source.with_suffix('')
 
