@@ -7,12 +7,9 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass, field
 import fcntl
-from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.mcap.catalogue import own_definitions, RecordedChannel
-from bearing_twin.recording.mcap.chunks import Chunks
 from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
     MAGIC,
@@ -23,27 +20,22 @@ from bearing_twin.recording.mcap.mcapfile import (
 )
 from bearing_twin.recording.mcap.messages import in_file_order, Selection
 from bearing_twin.recording.mcap.salvage import open_mcap
-from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.mcap.summary import summary_place, summary_records
 from bearing_twin.recording.reader import recording_files
-from bearing_twin.recording.topics import OWN_TOPICS
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata, Statistics
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
     from pathlib import Path
 
-    from bearing_twin.recording.mcap.catalogue import RecordedMessage
+    from bearing_twin.recording.mcap.catalogue import RecordedChannel, RecordedMessage
     from bearing_twin.recording.mcap.mcapfile import RawRecord
     from bearing_twin.recording.writer import RecordingWriter
 
 
 MOST_LOOKED_AT = 1000
-MOST_ASKED = 8
-"""Most other files of a bag that are searched for a channel description."""
 MOST_TOLD = 1000
 """Most losses that are listed one by one."""
 
@@ -100,9 +92,7 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     Write every message in the sound chunks of ``source`` to the new recording ``target``.
 
     Damage loses the records between the last sound record before it and the next sound chunk. If
-    the description of a channel is lost, it is taken from the summary or from other chunks. Else
-    the channels of the other files of the bag are tried, or without these the topics of this
-    package; a channel is used if its messages can be read as this channel only.
+    the description of a channel is lost, it is taken from the summary or from other chunks.
 
     Raises
     ------
@@ -120,17 +110,9 @@ def recover(source: Path, target: Path) -> RecoveryReport:
     if not sound:
         msg = f'{source} holds no MCAP file with content: {"; ".join(report.losses)}'
         raise BearingTwinError(msg)
-    # The channels of each file are read only once.
-    channels = cache(_channels)
-
-    def candidates(path: Path) -> tuple[RecordedChannel, ...]:
-        others = [other for other in files if other != path][:MOST_ASKED]
-        found = {(c.topic, c.type_name): c for other in others for c in channels(other)}
-        return tuple(found.values()) or _own_channels()
-
     with whole_recording(target) as writer:
         for path in sound:
-            _copy(path, writer, report, cache(partial(candidates, path)))
+            _copy(path, writer, report)
         if not report.kept and any('not as cdr' in text for text in report.losses):
             raise BearingTwinError('; '.join(report.losses))
     return report
@@ -192,12 +174,7 @@ def _holds_something(path: Path, report: RecoveryReport, *, only: bool) -> bool:
     return True
 
 
-def _copy(
-    path: Path,
-    writer: RecordingWriter,
-    report: RecoveryReport,
-    candidates: Callable[[], Iterable[RecordedChannel]],
-) -> None:
+def _copy(path: Path, writer: RecordingWriter, report: RecoveryReport) -> None:
     size = path.stat().st_size
     report.size += size
     kept = report.kept
@@ -216,7 +193,7 @@ def _copy(
     with open_mcap(path) as file:
         # All files of a split recording have the same attachments: those of the first are enough.
         extra = None if writer.written else copy_extra
-        for message in in_file_order(file, size, Selection(), damaged, candidates, extra):
+        for message in in_file_order(file, size, Selection(), damaged, extra):
             channel = message.channel
             if channel.encoding != 'cdr':
                 messages, octets = foreign.get(channel, (0, 0))
@@ -243,21 +220,3 @@ def _stated_count(path: Path, size: int) -> int:
             record = parse(raw.opcode, data, raw.offset)
             return record.message_count if isinstance(record, Statistics) else 0
     return 0
-
-
-def _channels(path: Path) -> list[RecordedChannel]:
-    """Return the channels that a file describes."""
-    with contextlib.suppress(BearingTwinError), open_mcap(path) as file:
-        for catalogue in own_definitions(Chunks(file, path.stat().st_size)):
-            if catalogue.channels:
-                return list(catalogue.channels.values())
-    return []
-
-
-def _own_channels() -> tuple[RecordedChannel, ...]:
-    """Return channels for the topics of this package, to try for messages without description."""
-    schemas = ((f'/{name}', message_schema(type_name)) for name, type_name in OWN_TOPICS.items())
-    return tuple(
-        RecordedChannel(topic, s.type_name, 'cdr', s.encoding, s.text, '', s.type_hash)
-        for topic, s in schemas
-    )

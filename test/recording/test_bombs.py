@@ -238,17 +238,6 @@ def test_looking_for_a_description_counts(
     assert any('unpack to too much' in text for text in health.damage)
 
 
-def test_files_of_a_bag_are_asked_once_for_a_description(
-    tmp_path: Path, unpacked: list[int]
-) -> None:
-    (tmp_path / 'bag').mkdir()
-    for number in range(5):
-        zeros(tmp_path / f'bag/{number}.mcap', 'description')
-    assert main(['recover', str(tmp_path / 'bag'), '-o', str(tmp_path / 'saved')]) == 0
-    # Read for its messages, for its own description, and for that of others.
-    assert sum(unpacked) <= 5 * 3 * 21 * MIB
-
-
 def test_a_large_message_is_in_memory_twice_at_most(tmp_path: Path) -> None:
     """Unpacked, and as itself; three times, a file of 100 MB took 644 MB."""
     with raw_recording(tmp_path / 'a.mcap', chunk_size=MIB) as writer:

@@ -13,18 +13,13 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.chunks import NEW_DESCRIPTION, ReadLimitExceeded
 from bearing_twin.recording.mcap.mcapfile import BrokenRecording, parse
 from bearing_twin.recording.mcap.salvage import sound_records
-from bearing_twin.recording.mcap.schema import (
-    canonical_cdr,
-    MessageSchema,
-    store_from_text,
-    type_conflict,
-)
+from bearing_twin.recording.mcap.schema import MessageSchema, store_from_text, type_conflict
 from bearing_twin.recording.mcap.summary import summary_records
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable, Iterator
 
     from bearing_twin.recording.mcap.chunks import Chunks
 
@@ -34,8 +29,6 @@ MOST_HELD = 64 * 1024 * 1024
 """Most bytes of schemas and channels of a file."""
 MOST_DESCRIBED = 2 * 65_536
 """Most schemas and channels of a file without repetitions: MCAP can number 65 535 of each."""
-MOST_TRIED = 100
-"""Most channels without description that are identified by the content of a message."""
 
 
 @dataclass(frozen=True)
@@ -128,28 +121,18 @@ class Catalogue:
         The file. Each new description counts as work.
     elsewhere
         Catalogues to search for a channel that is not described yet; evaluated when needed.
-    candidates
-        Channels to choose from if no catalogue knows a channel; evaluated when needed.
 
     """
 
-    def __init__(
-        self,
-        chunks: Chunks,
-        elsewhere: Iterable[Catalogue] = (),
-        candidates: Callable[[], Iterable[RecordedChannel]] = tuple,
-    ) -> None:
+    def __init__(self, chunks: Chunks, elsewhere: Iterable[Catalogue] = ()) -> None:
         self._chunks = chunks
         self._schemas: dict[int, tuple[str, str, str]] = {}
         # The last description of each schema and channel: files repeat them many times.
         self._said: dict[int, dict[bytes, bytes]] = {kind: {} for kind in DEFINITIONS}
         self._held = self._described = 0
         self.channels: dict[int, RecordedChannel] = {}
-        self.guessed: dict[int, str] = {}
-        """Topics that were identified by the content of a message only, by channel number."""
         self._elsewhere = iter(elsewhere)
         self._others: list[Catalogue] = []
-        self._candidates = candidates
         self._unknown: set[int] = set()
 
     def learn(self, opcode: int, content: bytes, offset: int) -> None:
@@ -191,11 +174,11 @@ class Catalogue:
             if self.channels.get(record.id) != channel:
                 self.channels[record.id] = channel
 
-    def channel(self, identity: int, cdr: bytes) -> RecordedChannel | None:
-        """Return the channel of a message with content ``cdr``; None if it cannot be found."""
+    def channel(self, identity: int) -> RecordedChannel | None:
+        """Return a channel by its number; None if it cannot be found."""
         found = self.channels.get(identity)
         if found is None and identity not in self._unknown:
-            found = self._found_elsewhere(identity) or self._found_by_content(identity, cdr)
+            found = self._found_elsewhere(identity)
             if found is None:
                 self._unknown.add(identity)
             else:
@@ -211,21 +194,6 @@ class Catalogue:
             if identity in other.channels:
                 return other.channels[identity]
         return None
-
-    def _found_by_content(self, identity: int, cdr: bytes) -> RecordedChannel | None:
-        """Return the candidate whose type fits the message to the last byte, if only one does."""
-        if len(self._unknown) > MOST_TRIED:
-            return None
-        known = {channel.topic for channel in self.channels.values()}
-        fitting = [
-            channel
-            for channel in self._candidates()
-            if channel.topic not in known and _reads_whole(channel, cdr)
-        ]
-        if len(fitting) != 1:
-            return None
-        self.guessed[identity] = fitting[0].topic
-        return fitting[0]
 
 
 def own_definitions(chunks: Chunks) -> Iterator[Catalogue]:
@@ -258,10 +226,3 @@ def own_definitions(chunks: Chunks) -> Iterator[Catalogue]:
             # Damage is reported when the messages are read.
             continue
     yield catalogue
-
-
-def _reads_whole(channel: RecordedChannel, cdr: bytes) -> bool:
-    try:
-        return len(canonical_cdr(channel.type_name, channel.schema, cdr)) == len(cdr)
-    except BearingTwinError:
-        return False

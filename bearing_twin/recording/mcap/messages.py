@@ -30,7 +30,7 @@ from mcap.opcode import Opcode
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator
+    from collections.abc import Callable, Collection, Iterator
 
     from bearing_twin.recording.mcap.mcapfile import RawRecord
 
@@ -155,7 +155,6 @@ def in_file_order(
     size: int,
     keep: Selection,
     damaged: Callable[[BrokenRecording], object] | None = None,
-    candidates: Callable[[], Iterable[RecordedChannel]] = tuple,
     extra: Callable[[RawRecord, bytes], None] | None = None,
 ) -> Iterator[RecordedMessage]:
     """
@@ -169,20 +168,18 @@ def in_file_order(
         Messages to yield.
     damaged
         Called with each error; the damaged part is skipped. With None the error is raised.
-    candidates
-        Channels to try for a message whose channel description is lost.
     extra
         Called with each attachment and metadata record.
 
     """
     chunks = Chunks(file, size)
     elsewhere = own_definitions(chunks) if damaged is not None else ()
-    catalogue = Catalogue(chunks, elsewhere, candidates)
+    catalogue = Catalogue(chunks, elsewhere)
     lost: dict[int, tuple[int, int]] = {}
 
     def described(identity: int, cdr: bytes, offset: int) -> RecordedChannel | None:
         """Return the channel of a message from any part of the file; count it if there is none."""
-        channel = catalogue.channel(identity, cdr)
+        channel = catalogue.channel(identity)
         if channel is None:
             if damaged is None:
                 _known(catalogue, identity, offset)
@@ -221,20 +218,9 @@ def in_file_order(
         # Free the chunk and its last message before the next one is unpacked.
         data = cdr = b''
     if damaged is not None:
-        for loss in _undescribed(catalogue, lost, size):
-            damaged(loss)
-
-
-def _undescribed(
-    catalogue: Catalogue, lost: dict[int, tuple[int, int]], size: int
-) -> Iterator[BrokenRecording]:
-    """Yield an error for each channel without description; ``lost``: its messages and bytes."""
-    for topic in catalogue.guessed.values():
-        text = f'the description of {topic} is lost: it is known by its content alone'
-        yield BrokenRecording(text, size)
-    for identity, (messages, octets) in lost.items():
-        text = f'{messages} messages of channel {identity}, whose description is lost'
-        yield BrokenRecording(text, size, octets)
+        for identity, (messages, octets) in lost.items():
+            text = f'{messages} messages of channel {identity}, whose description is lost'
+            damaged(BrokenRecording(text, size, octets))
 
 
 def _known(catalogue: Catalogue, identity: int, offset: int) -> RecordedChannel:
