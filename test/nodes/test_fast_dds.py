@@ -2,13 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings of Fast DDS."""
 
+import os
 from pathlib import Path
+import tempfile
 from xml.etree import ElementTree
 
 import pytest
 
 pytest.importorskip('rclpy')
 
+from bearing_twin.ros.processes.fastdds import fast_dds_settings, OLDER, PROFILES
 from bearing_twin.ros.processes.fastdds import profiles as made_profiles
 from bearing_twin.ros.topics.qos import HELD
 
@@ -46,3 +49,16 @@ def test_a_reader_is_asked_what_it_lacks_while_that_is_held(profiles):
 def test_a_node_announces_itself_while_the_first_blocks_are_held(profiles):
     period = profiles.find(f'.//{DDS}participant//{DDS}leaseAnnouncement')
     assert 0.0 < seconds(period) < HELD
+
+
+def test_a_node_starts_where_the_settings_cannot_be_written(monkeypatch, capsys, tmp_path):
+    # So that what the settings change is undone.
+    monkeypatch.setattr(os, 'environ', {k: v for k, v in os.environ.items() if k not in PROFILES})
+    with fast_dds_settings(fleet=True):
+        file = Path(os.environ[PROFILES[OLDER]])
+        assert 'large_memory' in file.read_text()
+    assert not file.exists()
+    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path / 'missing'))
+    with fast_dds_settings(fleet=True):
+        assert PROFILES[OLDER] not in os.environ
+    assert 'free or name a TMPDIR' in capsys.readouterr().err

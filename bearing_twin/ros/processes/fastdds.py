@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import contextmanager, ExitStack
 import os
 from pathlib import Path
 from string import Template
+import sys
 import tempfile
 from typing import TYPE_CHECKING
 
+from bearing_twin.errors import shown
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
 if TYPE_CHECKING:
@@ -56,12 +58,19 @@ def fast_dds_settings(*, fleet: bool) -> Iterator[None]:
     # Fast DDS 2 knows only the older name of the variable; version 3 warns about it.
     variable = PROFILES[OLDER]
     os.environ.setdefault('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
-    with tempfile.NamedTemporaryFile('w', prefix='fastdds_', suffix='.xml') as file:
-        file.write(profiles(fleet=large, older=OLDER))
-        file.flush()
-        os.environ[variable] = file.name
+    with ExitStack() as stack:
+        try:
+            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix='fastdds_'))
+            file = Path(folder, 'fastdds.xml')
+            file.write_text(profiles(fleet=large, older=OLDER), encoding='utf-8')
+            os.environ[variable] = str(file)
+        except OSError as error:
+            said = (
+                f'Fast DDS keeps its defaults and may lose blocks ({error}); free or name a TMPDIR'
+            )
+            print(shown(said), file=sys.stderr)
         yield
-    del os.environ[variable]
+    os.environ.pop(variable, None)
 
 
 def profiles(*, fleet: bool, older: bool) -> str:
