@@ -164,9 +164,9 @@ class Known:
 
     At first the machine is known as soon as no more windows told nothing than something, with a
     balance of one window. An unusable input ends the knowledge at once, because it is a fact and
-    no chance, and all begins as at first. But an input that becomes unusable again within
-    ``longest`` must then be usable for as long as a level that was seen for the same time must be
-    absent (:meth:`HeldLevel.wait`).
+    no chance, and all begins as at first. If the input has been unusable within ``longest``
+    before, it is so now and then: its windows are windows that tell nothing. A twin is unusable
+    only if somebody makes it so.
 
     Examples
     --------
@@ -192,14 +192,12 @@ class Known:
     """Time of windows that told nothing since then, s."""
     usable: float = math.inf
     """Time since the input was last unusable, s."""
-    unusable: float = 0.0
-    """Time for which it was unusable then, s."""
-    returned: bool = False
-    """Whether it was unusable within ``longest`` before that as well."""
+    fact: bool = False
+    """Whether it was usable for ``longest`` before that."""
 
     def __post_init__(self) -> None:
         """Refuse saved times that there are not."""
-        times = self.needed, self.told, self.silent, self.usable, self.unusable
+        times = self.needed, self.told, self.silent, self.usable
         if not (math.isfinite(self.balance) and all(time >= 0.0 for time in times)):
             raise BearingTwinError(f'saved state is {self!r:.300}; use what save() returned')
 
@@ -208,25 +206,21 @@ class Known:
         before, step = self.known, pace.interval
         lowest = 0.0 if self.known or self.needed else -pace.balance
         self.balance = max(self.balance + (step if told else -step), lowest)
-        self.usable += 0.0 if unusable else step
-        if unusable:
-            if self.usable:
-                self.returned = self.usable < pace.longest and not pace.simulated
-                self.usable = self.unusable = 0.0
-            self.unusable += step
+        if unusable and self.usable:
+            self.fact = self.usable >= pace.longest or pace.simulated
+        self.usable = 0.0 if unusable else self.usable + step
+        fact = unusable and self.fact
+        if fact:
             self.known, self.balance, self.needed = False, 0.0, 0.0
-            if self.returned:
-                seen = [0.0] * (len(LEVELS) - 1) + [self.unusable]
-                self.needed = HeldLevel(LEVELS[-1], times=seen).wait(pace)
         elif self.known and self.balance <= 0.0:
             self.known, self.needed = False, pace.balance
         elif told and self.balance >= self.needed:
             self.known = True
             self.balance = min(max(self.balance, pace.window), pace.balance)
-        if self.known != before or unusable:
+        if self.known != before or fact:
             self.told = self.silent = 0.0
         self.told += step * told
-        self.silent += step * (not told and not unusable)
+        self.silent += step * (not told and not fact)
         return self.known
 
     def __str__(self) -> str:
@@ -238,5 +232,4 @@ class Known:
         else:
             said, then = f'{self.told:.9g} of {total:.9g} s tell something', 'known'
             left = self.needed - self.balance
-        again = ', as the input was unusable before too' * (self.returned and not self.known)
-        return f'{said}; {then} after {max(left, 0.0):.0f} s more of them{again}'
+        return f'{said}; {then} after {max(left, 0.0):.0f} s more of them'

@@ -291,22 +291,25 @@ def test_windows_that_tell_nothing_change_the_level_at_most_twice_in_an_hour(sha
         assert np.mean(levels == 'none') > 0.9
 
 
-def test_an_input_that_is_unusable_is_told_at_once_and_one_that_is_so_again_for_longer():
+def test_an_input_that_is_unusable_is_told_at_once_and_one_that_is_so_now_and_then_is_chance():
     healthy, loose = said('healthy', 'ok'), replace(NOTHING, reasons=('clipped',))
     once = [loose] * 8 + [healthy] * 600
-    shown = _answers([healthy] * 600 + once * 2)
+    shown = _answers([healthy] * 600 + once * 4 + [loose] * 180)
     levels = [d.level for d in shown]
-    assert levels == ['ok'] * 600 + ['none'] * 8 + ['ok'] * 600 + ['none'] * 608
+    assert levels == ['ok'] * 600 + ['none'] * 8 + ['ok'] * (600 + 3 * 608 + 169) + ['none'] * 11
     assert shown[600].reasons == ('clipped',)
-    assert shown[-1].reasons[-1] == (
-        'insufficient, none held: 600 of 600 s tell something; known after 2993 s more of them, '
-        'as the input was unusable before too; the newest verdict says healthy, ok; the last one '
-        'that told nothing says clipped'
+    assert shown[1208].reasons == (
+        'clipped',
+        'healthy, ok held: this window tells nothing; 1 of 601 s tell nothing; not known after '
+        '169 s more of them',
     )
-    # A machine that stands for minutes has changed, and its input is no matter of chance.
-    stops = [loose] * 300 + [healthy] * 600
-    levels = [d.level for d in _answers([healthy] * 600 + stops * 4)]
-    assert [levels[n : n + 900].count('ok') for n in range(600, 4200, 900)] == [600] + [586] * 3
+    # After an hour in which it was usable it is a fact again.
+    levels = [d.level for d in _answers([healthy, *([loose] * 8 + [healthy] * 3600) * 2])]
+    assert levels == ['ok', *(['none'] * 8 + ['ok'] * 3600) * 2]
+    # What is done to a twin is no chance.
+    trend, known = Trend(), {'wanted': 60, 'pace': Pace(simulated=True), 'full': True}
+    levels = [trend.update(d, MACHINE, **known).level for d in [healthy, loose, healthy] * 3]
+    assert levels == ['ok', 'none', 'ok'] * 3
     # Short windows after a gap are no fact of the input.
     trend = Trend()
     known = {'wanted': 60, 'pace': Pace()}
