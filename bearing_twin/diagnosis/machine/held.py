@@ -214,9 +214,10 @@ class Known:
             self.known, self.balance, self.needed = False, 0.0, 0.0
         elif self.known and self.balance <= 0.0:
             self.known, self.needed = False, pace.balance
-        elif told and self.balance >= self.needed:
-            self.known = True
-            self.balance = min(max(self.balance, pace.window), pace.balance)
+        elif not self.known and told and self.balance >= self.needed:
+            self.known, self.balance = True, max(self.balance, pace.window)
+        if self.known:
+            self.balance = min(self.balance, pace.balance)
         if self.known != before or fact:
             self.told = self.silent = 0.0
         self.told += step * told

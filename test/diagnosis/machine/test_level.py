@@ -258,6 +258,9 @@ def test_a_healthy_answer_stands_while_most_windows_tell_something():
         'insufficient, none held: 2 of 4 s tell something; known after 168 s more of them; the '
         'newest verdict says healthy, ok; the last one that told nothing says a faint comb'
     )
+    # One of eight that tells something does not keep it.
+    few = _answers([healthy] + ([faint] * 7 + [healthy]) * 30)
+    assert [d.level for d in few] == ['ok'] * 10 + ['none'] * 231
     # At first as many windows must tell something as told nothing.
     levels = [d.level for d in _answers([faint] * 20 + [healthy] * 30)]
     assert levels == ['none'] * 39 + ['ok'] * 11
