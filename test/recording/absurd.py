@@ -53,6 +53,7 @@ FLOATS = [0.0, -0.0, 1.0, -1.0, 25.4, 25600.0, 1e-9, 1e308, -1e308, 5e-324]
 FLOATS += [math.nan, math.inf, -math.inf, 3.4e38, 1e20, 100.0]
 TEXTS = ['', ' ', 'm/s^2', 'g', '$', r'$\frac{1}{', r'$\int_0^\infty$', '\x1b[31mred\x1b]0;t\x07']
 TEXTS += ['<script>alert(1)</script>', '\u202eright', 'a' * 5000, '%s{0}', 'line\nbreak\rback']
+TEXTS += ['../../etc/passwd', "'; import os", '\u00c4\u4e2d', 'x' * 100_000]
 TEXTS += ['healthy', 'inner', '6307', 'twin', 'diagnosis', 'envelope', '{a: 1}', '- 1', '\x00']
 SAMPLES = [0, 0, 1, 3, 64, 1024, 1024, 5000]
 

@@ -9,8 +9,9 @@ import math
 import os
 import random
 import time
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
+from absurd import message
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.topics.qos import CHECKPOINT, STREAM
 from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum, TwinState, Vibration
@@ -19,10 +20,10 @@ from forked import ForkedNodes
 from fuzzing import SECONDS, until
 import pytest
 from rclpy.duration import Duration
-from rclpy.serialization import serialize_message
 from recorder_process import Source, TIMEOUT
+from recording_samples import store
 from sensor_msgs.msg import Imu, JointState, Temperature
-from std_msgs.msg import Float32MultiArray, MultiArrayDimension
+from std_msgs.msg import Float32MultiArray
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -51,23 +52,6 @@ MOST_KEPT = LARGE
 """Memory that a node may keep of many of them, bytes: heap that is not given back."""
 MOST_MEMORY = 400_000_000
 """Memory that a node may gain by all of it, bytes: windows, queues and spectra of odd sizes."""
-NUMBERS = [0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, -1e300, math.nan, math.inf, -math.inf, 25600.0]
-COUNTS = [
-    0,
-    1,
-    2,
-    255,
-    256,
-    2**16,
-    2**31 - 1,
-    2**31,
-    2**32 - 1,
-    2**53,
-    2**63 - 1,
-    2**63,
-    2**64 - 1,
-]
-TEXTS = ['', 'g', 'm/s^2', '\x00', 'x' * 100_000, '../../etc/passwd', "'; import os", 'ÄÖ中\u202e']
 TYPES: dict[str, type] = {
     'vibration': Vibration,
     'temperature': Temperature,
@@ -81,52 +65,16 @@ TYPES: dict[str, type] = {
     'samples': Float32MultiArray,
     'a/twin_checkpoint': Checkpoint,
 }
-ELEMENTS = {'std_msgs/MultiArrayDimension': MultiArrayDimension}
 
 
-def hostile(kind: type, rng: random.Random) -> Any:
-    """Return a message whose every field may hold anything that its type can."""
-    message = kind()
-    for name, of in kind.get_fields_and_field_types().items():
-        if rng.random() < 0.3:
-            continue
-        if name == 'header':
-            message.header.stamp.sec = rng.choice([0, 1, -1, 2**31 - 1, -(2**31)])
-            message.header.stamp.nanosec = rng.choice([0, 999_999_999, 10**9, 2**32 - 1])
-            message.header.frame_id = rng.choice(TEXTS)
-        elif of.startswith('sequence<'):
-            element, size = of[9:-1], rng.choice([0, 1, 2, 3, 1000, 1024, 100_000])
-            if '/' in element:
-                setattr(message, name, [hostile(ELEMENTS[element], rng) for _ in range(size % 5)])
-            elif element == 'string':
-                setattr(message, name, [rng.choice(TEXTS[:5]) for _ in range(min(size, 3))])
-            elif element in ('float', 'double'):
-                code = 'f' if element == 'float' else 'd'
-                values = [v for v in NUMBERS if code == 'd' or not 1e38 < abs(v) < math.inf]
-                pattern = array.array(code, [rng.choice(values) for _ in range(8)])
-                setattr(message, name, (pattern * (size // 8 + 1))[:size])
-            else:
-                setattr(message, name, array.array('B', rng.randbytes(size)))
-        elif '/' in of:
-            setattr(message, name, hostile(type(getattr(message, name)), rng))
-        elif of == 'double[9]':
-            setattr(message, name, rng.choices(NUMBERS, k=9))
-        elif of == 'string':
-            setattr(message, name, rng.choice(TEXTS))
-        elif of in ('double', 'float'):
-            setattr(message, name, rng.choice(NUMBERS))
-        elif of.startswith('uint') or of.startswith('int'):
-            limit = 2 ** (int(of.lstrip('uint')) - of.startswith('int'))
-            setattr(message, name, rng.choice([c for c in COUNTS if c < limit]))
-    return message
-
-
-def mutated_bytes(message: Any, rng: random.Random) -> bytes:
-    """Serialise, and sometimes damage the bytes themselves."""
+def mutated_bytes(kind: type, rng: random.Random) -> bytes:
+    """Return a message whose fields may hold anything, and sometimes damage its bytes."""
     if rng.random() < 0.02:
         # More padding than there is message, which Fast CDR by itself does not survive.
         return bytes([0, rng.randrange(2), 0, rng.randrange(4)]) + rng.randbytes(rng.randrange(4))
-    data = bytearray(serialize_message(message))
+    name = f'{kind.__module__.partition(".")[0]}/msg/{kind.__name__}'
+    types = store(name)
+    data = bytearray(types.serialize_cdr(message(types, name, rng), name))
     if rng.random() < 0.3 and len(data) > 8:
         for _ in range(rng.choice([1, 4, 16])):
             data[rng.randrange(4, len(data))] = rng.randrange(256)
@@ -147,7 +95,7 @@ def publish_hostile(
     }
     for number in until(time.monotonic() + seconds, count):
         topic = rng.choice(['vibration', 'vibration', 'temperature', *TYPES])
-        publishers[topic].publish(mutated_bytes(hostile(TYPES[topic], rng), rng))
+        publishers[topic].publish(mutated_bytes(TYPES[topic], rng))
         if number % 20 == 0:
             source.publish_for(0.05)
             yield number
