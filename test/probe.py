@@ -35,12 +35,12 @@ class Status(NamedTuple):
 class Probe:
     """A node of the test: collects messages, publishes, calls services, sets parameters."""
 
-    def __init__(self):
+    def __init__(self, domain=None):
         import rclpy
         from rclpy.executors import SingleThreadedExecutor
 
         self.context = rclpy.Context()
-        self.context.init()
+        self.context.init(domain_id=domain)
         self.node = rclpy.create_node('probe', context=self.context)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)

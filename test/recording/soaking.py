@@ -33,13 +33,11 @@ from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import recording_info
 from bearing_twin.ros.processes.domain import own_domain
 from bearing_twin.ros.processes.launching import local_environment, NodeProcesses
-from bearing_twin.ros.topics.qos import RESULT, STREAM
+from bearing_twin.ros.topics.qos import STREAM
 from bearing_twin.stamps import NANO, stamp_ns
 from bearing_twin_msgs.msg import Diagnosis, TwinState
-from diagnostic_msgs.msg import DiagnosticArray
+from probe import Probe
 import psutil
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
 import yaml
@@ -62,7 +60,7 @@ DEPTH = 400
 MEMORY_PERIOD = 0.5
 MIB = 1024 * 1024
 NODES = ('twin', 'diagnosis', 'recorder')
-STATUSES = {'twin: real time', 'diagnosis: vibration input', 'recorder: recording'}
+STATUSES = ('twin: real time', 'diagnosis: vibration input', 'recorder: recording')
 """What each of them reports once a second."""
 
 
@@ -106,24 +104,19 @@ class SoakReport:
         return max(sizes[half:]) - max(sizes[:half])
 
 
-class _Clock:
+class _Clock(Probe):
     """The clock of the nodes, their temperature sensor, and an ear for what they say."""
 
     def __init__(self, domain: int, pace: float, swing: float) -> None:
+        super().__init__(domain)
         self._pace, self._swing = pace, swing
-        self._context = rclpy.Context()
-        self._context.init(domain_id=domain)
-        self.node = rclpy.create_node('clock', context=self._context)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self.node)
         # Deep, because they are recorded too, and a busy machine may be seconds late.
         self._clock = self.node.create_publisher(Clock, '/clock', 1000)
         self._temperature = self.node.create_publisher(Temperature, 'temperature', 1000)
         self.node.create_subscription(TwinState, 'twin_state', self._on_state, STREAM)
         self.node.create_subscription(Diagnosis, 'diagnosis', self._on_verdict, STREAM)
-        self.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_status, RESULT)
+        self.watch_diagnostics()
         self.now = 0.0
-        self.statuses: dict[str, dict[str, str]] = {}
         self.state: TwinState | None = None
         self.reached = dict.fromkeys(AHEAD, 0.0)
         self.drift = 0.0
@@ -134,23 +127,14 @@ class _Clock:
         self._told = self._told_at = self._felt = 0.0
         self._readings = 0
 
-    def close(self) -> None:
-        self._executor.shutdown()
-        self.node.destroy_node()
-        self._context.shutdown()
-
     def wait_for(self, statuses: set[str], said: str = '') -> None:
         """Let the clock stand still until each node has reported again, with these words in it."""
         self.statuses.clear()
-        end = time.monotonic() + 120.0
-        while missing := {
-            name
-            for name in statuses
-            if name not in self.statuses or said not in self.statuses[name]['message']
-        }:
-            assert time.monotonic() < end, f'{", ".join(missing)} did not report within 120 s'
-            self._publish()
-            self._executor.spin_once(timeout_sec=0.05)
+        self.until(
+            lambda: all(n in self.statuses and said in self.status(n).message for n in statuses),
+            f'a report of {", ".join(statuses)}',
+            every=self._publish,
+        )
         self._began = self._ticked = time.monotonic()
 
     def wait_until_still(self) -> None:
@@ -160,7 +144,7 @@ class _Clock:
         while still < 3:
             self.statuses.clear()
             before = self.state
-            while not self.statuses.keys() >= STATUSES:
+            while not self.statuses.keys() >= set(STATUSES):
                 assert time.monotonic() < end, 'the nodes did not come to rest within 120 s'
                 self.tick(advance=False)
             still = still + 1 if self.state is before else 0
@@ -169,10 +153,13 @@ class _Clock:
         """Let the time go on for one tick, or wait for a node that is behind."""
         due = self._ticked + TICK
         while (left := due - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=left)
+            self.executor.spin_once(timeout_sec=left)
         # What has come meanwhile, a tick's worth at most.
-        self._executor.spin_once(timeout_sec=0.0)
+        self.executor.spin_once(timeout_sec=0.0)
         self._ticked = time.monotonic()
+        values = self.status('recorder: recording').values
+        if float(values.get('longest_wait_s', math.inf)) < LONGEST_WAIT:
+            self.reached['recorder'] = self.clocks['recorder'] - START / NANO
         if advance:
             limit = min(self.reached[name] + AHEAD[name] for name in AHEAD)
             target = (self._ticked - self._began) * self._pace
@@ -207,14 +194,6 @@ class _Clock:
     def _on_verdict(self, verdict: Diagnosis) -> None:
         self.verdicts[verdict.fault_code] = self.verdicts.get(verdict.fault_code, 0) + 1
         self.reached['diagnosis'] = (stamp_ns(verdict.header.stamp) - START) / NANO + 8.0
-
-    def _on_status(self, array: DiagnosticArray) -> None:
-        for status in array.status:
-            values = {item.key: item.value for item in status.values}
-            values['message'] = status.message
-            self.statuses[status.name] = values
-            if float(values.get('longest_wait_s', math.inf)) < LONGEST_WAIT:
-                self.reached['recorder'] = (stamp_ns(array.header.stamp) - START) / NANO
 
 
 class _Files:
@@ -260,49 +239,47 @@ def soak(
     bag = folder / 'bag'
     sim: dict[str, object] = {'use_sim_time': True}
     report = SoakReport()
-    # Up to 100 degC and back twice a day, faster in a short run.
-    clock = _Clock(domain, pace, min(43200.0, seconds))
     files = _Files(bag)
-    try:
-        with NodeProcesses(folder / 'logs', local_environment(domain)) as nodes:
-            recorder = {'output': str(bag), 'max_bag_size': 256, 'storage_limit': 2048}
-            nodes.start('recorder', {**sim, **recorder, 'delete_oldest': True})
-            diagnosis = {'qos_overrides./vibration.subscription.depth': DEPTH}
-            diagnosis |= {'update_interval': UPDATE_INTERVAL}
-            nodes.start('diagnosis', {**sim, **diagnosis})
-            clock.wait_for({'recorder: recording', 'diagnosis: vibration input'})
-            twin = {'defect': 'outer', 'block_size': BLOCK, 'wait_for_subscribers': 2}
-            twin |= {'qos_overrides./vibration.publisher.depth': DEPTH}
-            nodes.start('twin', {**sim, **twin})
-            # Its first block begins with its first reading of the clock, which may come between
-            # two reports that it stands.
-            for _ in range(2):
-                clock.wait_for({'twin: real time'}, 'stands still')
-            began = time.monotonic()
-            processes = {name: psutil.Process(nodes.pid(name)) for name in NODES}
-            spent = {name: sum(p.cpu_times()[:2]) for name, p in processes.items()}
-            looked = shown = 0.0
-            while clock.now < seconds and time.monotonic() - began < longest:
-                clock.tick()
-                nodes.check()
-                if time.monotonic() - looked > MEMORY_PERIOD:
-                    looked = time.monotonic()
-                    _weigh(processes, clock.now, report)
-                    files.look()
-                if show and time.monotonic() - shown > 30.0:
-                    shown = time.monotonic()
-                    _show(clock.now, shown - began, report)
-            took = time.monotonic() - began
-            report.cpu = {
-                name: (sum(p.cpu_times()[:2]) - spent[name]) / took
-                for name, p in processes.items()
-            }
-            clock.wait_until_still()
-            _ask(clock, report)
-            for name in NODES:
-                assert nodes.end(name) == 0, name
-    finally:
-        clock.close()
+    # Up to 100 degC and back twice a day, faster in a short run.
+    with (
+        _Clock(domain, pace, min(43200.0, seconds)) as clock,
+        NodeProcesses(folder / 'logs', local_environment(domain)) as nodes,
+    ):
+        recorder = {'output': str(bag), 'max_bag_size': 256, 'storage_limit': 2048}
+        nodes.start('recorder', {**sim, **recorder, 'delete_oldest': True})
+        diagnosis = {'qos_overrides./vibration.subscription.depth': DEPTH}
+        diagnosis |= {'update_interval': UPDATE_INTERVAL}
+        nodes.start('diagnosis', {**sim, **diagnosis})
+        clock.wait_for({'recorder: recording', 'diagnosis: vibration input'})
+        twin = {'defect': 'outer', 'block_size': BLOCK, 'wait_for_subscribers': 2}
+        twin |= {'qos_overrides./vibration.publisher.depth': DEPTH}
+        nodes.start('twin', {**sim, **twin})
+        # Its first block begins with its first reading of the clock, which may come between
+        # two reports that it stands.
+        for _ in range(2):
+            clock.wait_for({'twin: real time'}, 'stands still')
+        began = time.monotonic()
+        processes = {name: psutil.Process(nodes.pid(name)) for name in NODES}
+        spent = {name: sum(p.cpu_times()[:2]) for name, p in processes.items()}
+        looked = shown = 0.0
+        while clock.now < seconds and time.monotonic() - began < longest:
+            clock.tick()
+            nodes.check()
+            if time.monotonic() - looked > MEMORY_PERIOD:
+                looked = time.monotonic()
+                _weigh(processes, clock.now, report)
+                files.look()
+            if show and time.monotonic() - shown > 30.0:
+                shown = time.monotonic()
+                _show(clock.now, shown - began, report)
+        took = time.monotonic() - began
+        report.cpu = {
+            name: (sum(p.cpu_times()[:2]) - spent[name]) / took for name, p in processes.items()
+        }
+        clock.wait_until_still()
+        _ask(clock, report)
+        for name in NODES:
+            assert nodes.end(name) == 0, name
     files.look()
     report.operated, report.pace = clock.now, clock.now / took
     report.recorded, report.files = files.blocks, files.count
@@ -324,9 +301,10 @@ def _ask(clock: _Clock, report: SoakReport) -> None:
     assert clock.state is not None
     report.published = clock.state.blocks_published
     report.dropped = clock.state.blocks_dropped
-    report.clock_steps = int(clock.statuses['twin: real time']['clock_steps'])
-    report.messages_missed = int(clock.statuses['recorder: recording']['messages_lost_on_the_way'])
-    report.samples_missed = int(clock.statuses['diagnosis: vibration input']['samples_lost'])
+    twin, diagnosis, recorder = (clock.status(name).values for name in STATUSES)
+    report.clock_steps = int(twin['clock_steps'])
+    report.messages_missed = int(recorder['messages_lost_on_the_way'])
+    report.samples_missed = int(diagnosis['samples_lost'])
 
 
 def _show(now: float, took: float, report: SoakReport) -> None:
