@@ -423,6 +423,10 @@ def test_snapshots_are_as_far_apart_as_the_clocks_in_their_files(tmp_path: Path)
         assert times == [begin.timestamp() + 3600.0 * hours + fraction for hours in range(3)], kind
         fixed = [shot.time for shot in read_snapshots(files, channel='DE', cycle=5.0)]
         assert fixed == [0.0, 5.0, 10.0]
+    lvm(tmp_path / 'a.lvm', clock=('10:00:00.0',))
+    text = (tmp_path / 'a.lvm').read_text()
+    (tmp_path / 'a.lvm').write_text(text.replace('Date\t2026/11/30\t', 'Date\t1904/01/01\t'))
+    assert next(read_snapshots([tmp_path / 'a.lvm'], channel='DE')).time == begin.timestamp()
     lvm(tmp_path / '2026-12-01_00-00-00.lvm', clock=('?',), delta='1')
     text = (tmp_path / '2026-12-01_00-00-00.lvm').read_text()
     (tmp_path / '2026-12-01_00-00-00.lvm').write_text(text.replace('Time\t', 'Time\t?'))

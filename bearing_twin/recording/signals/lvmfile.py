@@ -129,14 +129,18 @@ def read_lvm(path: Path) -> dict[str, Any]:
 def lvm_start(path: Path) -> float | None:
     """Return date and time of the first part, s since 1970; None if they are not stated."""
     head, _, rest = head_of(path).partition('\nChannels')
-    stated = []
-    for key, form in (('Date', r'\d+/\d+/\d+'), ('Time', r'\d+:\d+:\d+(?:[.,]\d{1,6})?')):
-        # What the header of the part says goes before what that of the file says.
-        where = re.compile(rf'^{key}[\t,]({form})', re.MULTILINE)
-        found = where.search(rest.partition(END)[0]) or where.search(head)
-        stated.append(found[1].replace(',', '.') if found else '')
-    decimals = '.%f' if '.' in stated[1] else ''
-    return clock_time(' '.join(stated), f'%Y/%m/%d %H:%M:%S{decimals}')
+    # What the header of the part says goes before what that of the file says.
+    for text in (rest.partition(END)[0], head):
+        stated = []
+        for key, form in (('Date', r'\d+/\d+/\d+'), ('Time', r'\d+:\d+:\d+(?:[.,]\d{1,6})?')):
+            found = re.search(rf'^{key}[\t,]({form})', text, re.MULTILINE)
+            stated.append(found[1].replace(',', '.') if found else '')
+        decimals = '.%f' if '.' in stated[1] else ''
+        start = clock_time(' '.join(stated), f'%Y/%m/%d %H:%M:%S{decimals}')
+        # One that was never set is the begin of the year 1904.
+        if start is not None and start > 0.0:
+            return start
+    return None
 
 
 def _part(path: Path, body: str, separator: str) -> _Part:
