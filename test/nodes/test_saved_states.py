@@ -67,25 +67,19 @@ def test_a_folder_that_no_path_reaches_is_an_error_in_words(tmp_path):
         StateFolder(str(tmp_path / ('a' * 256))).load('pump')
 
 
-def test_a_state_is_saved_once_where_there_are_no_hard_links(tmp_path, monkeypatch):
+@pytest.mark.parametrize('links', [True, False])
+def test_a_state_is_saved_once_with_hard_links_and_without(tmp_path, monkeypatch, links):
     def refuse(*_):
         raise PermissionError(errno.EPERM, 'Operation not permitted')
 
-    monkeypatch.setattr(os, 'link', refuse)
-    folder = StateFolder(str(tmp_path))
+    if not links:
+        monkeypatch.setattr(os, 'link', refuse)
+    folder = StateFolder(str(tmp_path / 'new'))
     folder.save('a', b'1')
     with pytest.raises(BearingTwinError, match='exists and is not overwritten'):
         folder.save('a', b'2')
     assert folder.load('a') == b'1'
-    assert [path.name for path in tmp_path.iterdir()] == ['a']
-
-
-def test_states_are_not_overwritten(tmp_path):
-    folder = StateFolder(str(tmp_path / 'new'))
-    folder.save('a', b'1')
-    with pytest.raises(BearingTwinError, match='not overwritten'):
-        folder.save('a', b'2')
-    assert folder.load('a') == b'1'
+    assert [path.name for path in folder.folder.iterdir()] == ['a']
     with pytest.raises(BearingTwinError, match='cannot be read'):
         folder.load('b')
 

@@ -400,13 +400,13 @@ def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
     assert first[-1] < second[0] <= second[-1] < third[0]
 
 
+SNAPSHOT = {'snapshot': True, 'snapshot_before': 1.0, 'snapshot_after': 0.5}
+
+
 def test_snapshot_on_request(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    parameters = {
-        'output': str(bag), 'snapshot': True, 'snapshot_before': 1.0, 'snapshot_after': 0.5,
-    }  # fmt: skip
     with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
-        nodes.start('recorder', parameters)
+        nodes.start('recorder', {'output': str(bag), **SNAPSHOT})
         source.wait_for_recorder()
         fill(source)
         assert not bag.exists()
@@ -457,11 +457,8 @@ def check_snapshot(bag: Path, source: Source, earliest: int, latest: int, wait: 
 
 def test_snapshot_when_the_diagnosis_turns_to_fault(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
-    parameters = {
-        'output': str(bag), 'snapshot': True, 'snapshot_before': 1.0, 'snapshot_after': 0.5,
-    }  # fmt: skip
     with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
-        nodes.start('recorder', parameters)
+        nodes.start('recorder', {'output': str(bag), **SNAPSHOT})
         verdicts = source.node.create_publisher(Diagnosis, 'diagnosis', 10)
         source.wait_for_recorder()
         source.wait_for_subscribers(verdicts)

@@ -39,6 +39,12 @@ X = np.random.default_rng(1).normal(size=5000)
 IMU = 'sensor_msgs/msg/Imu'
 
 
+@pytest.fixture
+def csv(tmp_path: Path) -> Path:
+    """Return where a test writes its text of numbers."""
+    return tmp_path / 'a.csv'
+
+
 def test_npz_of_the_real_recordings(data_dir: Path) -> None:
     path = data_dir / 'cwru' / 'cwru_0130_DE.npz'
     signal = read_signal(path)
@@ -130,21 +136,20 @@ def test_wav(tmp_path: Path, dtype: Any, scale: float) -> None:
         '"time","acc [m/s^2]","other"\n"{rows:,}"',
     ],
 )
-def test_csv(tmp_path: Path, text: str) -> None:
+def test_csv(csv: Path, text: str) -> None:
     separator = text[text.index('{rows:') + 6]
     columns = np.column_stack([np.arange(500) / 1000.0, X[:500], X[500:1000]])
     lines = [separator.join(f'{v:.9g}' for v in row) for row in columns]
     if separator == ';':
         lines = [line.replace('.', ',') for line in lines]
-    path = tmp_path / 'a.csv'
     before, after = text.split('{')[0], text.split('}')[1]
     if after == '"':
         before, lines = before[:-1], [f'"{line}"'.replace(',', '","') for line in lines]
         after = ''
-    path.write_text(before + ''.join(f'{line}{after}\n' for line in lines))
+    csv.write_text(before + ''.join(f'{line}{after}\n' for line in lines))
     first = 'acc [m/s^2]' if separator != ' ' else 'acc[m/s^2]'
     index = 0 if text.startswith('fs') else 1
-    signal = read_signal(path, channel=first if index else 'acc [m/s^2]')
+    signal = read_signal(csv, channel=first if index else 'acc [m/s^2]')
     np.testing.assert_allclose(signal.x, columns[:, index], rtol=1e-8)
     assert signal.sample_rate == pytest.approx(1000.0)
     assert signal.unit == 'm/s^2'
@@ -164,24 +169,22 @@ def test_csv(tmp_path: Path, text: str) -> None:
         ('offs: 3', None),
     ],
 )
-def test_rate_before_the_numbers(tmp_path: Path, head: str, rate: float | None) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text(f'{head}\nacc,b\n' + '\n'.join(f'{v:.5f},0' for v in X[:99]))
+def test_rate_before_the_numbers(csv: Path, head: str, rate: float | None) -> None:
+    csv.write_text(f'{head}\nacc,b\n' + '\n'.join(f'{v:.5f},0' for v in X[:99]))
     if rate:
-        assert read_signal(path).sample_rate == rate
+        assert read_signal(csv).sample_rate == rate
         return
     with pytest.raises(BearingTwinError, match='does not say its sample rate'):
-        read_signal(path)
+        read_signal(csv)
 
 
-def test_decimal_commas_in_quotes_and_before_the_numbers(tmp_path: Path) -> None:
+def test_decimal_commas_in_quotes_and_before_the_numbers(csv: Path) -> None:
     rows = [(f'{v:.5f}'.replace('.', ','), f'{k},5') for k, v in enumerate(X[:99])]
-    path = tmp_path / 'a.csv'
-    path.write_text('acc,b\n' + '\n'.join(f'"{a}","{b}"' for a, b in rows))
-    np.testing.assert_allclose(read_signal(path, sample_rate=1e3).x, X[:99], atol=1e-5)
+    csv.write_text('acc,b\n' + '\n'.join(f'"{a}","{b}"' for a, b in rows))
+    np.testing.assert_allclose(read_signal(csv, sample_rate=1e3).x, X[:99], atol=1e-5)
     text = 'fs = 25,6 kHz\nacc;b\n' + '\n'.join(f'{a};{b}' for a, b in rows)
-    path.write_text(text, encoding='utf-16')
-    assert read_signal(path).sample_rate == 25600.0
+    csv.write_text(text, encoding='utf-16')
+    assert read_signal(csv).sample_rate == 25600.0
 
 
 @pytest.mark.parametrize('shape', [(2500, 2), (2, 2500)])
@@ -242,10 +245,9 @@ def test_a_column_of_a_text_file_is_chosen_by_its_number_in_the_list(
         read_signal(path, channel='3', sample_rate=5000.0)
 
 
-def test_csv_without_any_heading(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text('\n'.join(f'{v:.9g}' for v in X[:300]))
-    signal = read_signal(path, sample_rate=5000.0)
+def test_csv_without_any_heading(csv: Path) -> None:
+    csv.write_text('\n'.join(f'{v:.9g}' for v in X[:300]))
+    signal = read_signal(csv, sample_rate=5000.0)
     np.testing.assert_allclose(signal.x, X[:300], rtol=1e-8)
 
 
@@ -254,36 +256,34 @@ def test_csv_without_any_heading(tmp_path: Path) -> None:
     [('-5e-5;0.5;0.25;0.9;0.8', 301), ('300', 300), ('9;9;9;9', 300), ('0;1', 300)],
 )
 def test_numbers_before_the_table_are_a_row_only_with_notes_at_its_right(
-    tmp_path: Path, first: str, rows: int
+    csv: Path, first: str, rows: int
 ) -> None:
-    path = tmp_path / 'a.csv'
     table = [f'{5e-5 * k:g};{v:.9g} ;{-v:.9g} ' for k, v in enumerate(X[:300])]
-    path.write_text('\n'.join([first, *table]))
-    assert channels(path) == ['c0', 'c1', 'c2']
-    x = read_signal(path, sample_rate=2e4).x
+    csv.write_text('\n'.join([first, *table]))
+    assert channels(csv) == ['c0', 'c1', 'c2']
+    x = read_signal(csv, sample_rate=2e4).x
     np.testing.assert_allclose(x[-300:], X[:300], rtol=1e-8)
     assert x[:-300].tolist() == [0.5] * (rows - 300)
     if rows > 300:
-        path.write_text('\n'.join(['Time (s);u;v', first, *table]))
-        signal = read_signal(path, channel='u')
+        csv.write_text('\n'.join(['Time (s);u;v', first, *table]))
+        signal = read_signal(csv, channel='u')
         assert (signal.x[0], signal.sample_rate) == (0.5, pytest.approx(2e4))
-    path.write_text('\n'.join([*table[:9], first, *table[9:]]))
+    csv.write_text('\n'.join([*table[:9], first, *table[9:]]))
     with pytest.raises(BearingTwinError, match='the same columns'):
-        read_signal(path, sample_rate=2e4)
+        read_signal(csv, sample_rate=2e4)
 
 
 @pytest.mark.parametrize('head', ['', ','.join(map(str, range(2499))) + ',label', 'fs = 64 kHz'])
-def test_long_lines_of_a_text_are_a_signal_each(tmp_path: Path, head: str) -> None:
-    path = tmp_path / 'a.csv'
+def test_long_lines_of_a_text_are_a_signal_each(csv: Path, head: str) -> None:
     rows = [','.join(f'{v:.9g}' for v in X[k : k + 2500]) for k in (0, 2500)]
-    path.write_text('\n'.join([head, *rows] if head else rows))
-    assert channels(path) == ['x:0', 'x:1']
-    signal = read_signal(path, channel='x:1', sample_rate=6.4e4)
+    csv.write_text('\n'.join([head, *rows] if head else rows))
+    assert channels(csv) == ['x:0', 'x:1']
+    signal = read_signal(csv, channel='x:1', sample_rate=6.4e4)
     np.testing.assert_allclose(signal.x, X[2500:], rtol=1e-8)
     with pytest.raises(BearingTwinError, match='x has 2 rows of 2500 samples; choose one'):
-        read_signal(path)
-    path.write_text(rows[0])
-    np.testing.assert_allclose(read_signal(path, sample_rate=6.4e4).x, X[:2500], rtol=1e-8)
+        read_signal(csv)
+    csv.write_text(rows[0])
+    np.testing.assert_allclose(read_signal(csv, sample_rate=6.4e4).x, X[:2500], rtol=1e-8)
 
 
 def test_a_name_that_ends_in_a_number_is_a_text(tmp_path: Path) -> None:
@@ -481,11 +481,10 @@ def test_other_endings_and_missing_files(tmp_path: Path) -> None:
         ('time [µs]', 1e6),
     ],
 )
-def test_times_have_the_unit_that_their_heading_says(tmp_path: Path, heading, factor) -> None:
-    path = tmp_path / 'a.csv'
+def test_times_have_the_unit_that_their_heading_says(csv: Path, heading, factor) -> None:
     rows = '\n'.join(f'{factor * k / 25600.0:.9g},{v:.9g}' for k, v in enumerate(X[:500]))
-    path.write_text(f'{heading},acc [g]\n{rows}')
-    signal = read_signal(path)
+    csv.write_text(f'{heading},acc [g]\n{rows}')
+    signal = read_signal(csv)
     assert signal.sample_rate == pytest.approx(25600.0)
     np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
 
@@ -494,123 +493,109 @@ def test_times_have_the_unit_that_their_heading_says(tmp_path: Path, heading, fa
 @pytest.mark.parametrize('rate', [12000.0, 25600.0])
 @pytest.mark.parametrize('heading', ['time,acc', 'X_Value,Voltage'])
 def test_times_of_few_decimals_are_times_and_give_the_rate_they_have(
-    tmp_path: Path, decimals, rate, heading
+    csv: Path, decimals, rate, heading
 ) -> None:
-    path = tmp_path / 'a.csv'
     x = np.random.default_rng(0).standard_normal(60000)
     rows = '\n'.join(f'{k / rate:.{decimals}f},{v:.4f}' for k, v in enumerate(x))
-    path.write_text(f'{heading}\n{rows}')
+    csv.write_text(f'{heading}\n{rows}')
     timed = heading.startswith('time')
-    signal = read_signal(path, sample_rate=None if timed else rate)
+    signal = read_signal(csv, sample_rate=None if timed else rate)
     assert signal.sample_rate == pytest.approx(rate, rel=2e-4 if decimals == 3 else 2e-5)
     assert signal.sample_rate == rate or decimals < 6
     np.testing.assert_allclose(signal.x, x, atol=1e-4)
 
 
-def test_times_with_a_gap_give_no_sample_rate(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
+def test_times_with_a_gap_give_no_sample_rate(csv: Path) -> None:
     rows = [f'{k / 12000.0:.6f},{v:.4f}' for k, v in enumerate(np.sin(np.arange(30000)))]
-    path.write_text('time,acc\n' + '\n'.join(rows[:12000] + rows[12020:]))
+    csv.write_text('time,acc\n' + '\n'.join(rows[:12000] + rows[12020:]))
     with pytest.raises(BearingTwinError, match="times of its column 'time' have gaps, or"):
-        read_signal(path)
-    assert read_signal(path, sample_rate=12000.0).sample_rate == 12000.0
+        read_signal(csv)
+    assert read_signal(csv, sample_rate=12000.0).sample_rate == 12000.0
 
 
 @pytest.mark.parametrize(('seconds', 'decimals'), [(4.5, 0), (1.03, 1), (0.5, 2), (0.5, 4)])
 def test_times_that_stand_still_for_many_values_give_the_rate_between_their_changes(
-    tmp_path: Path, seconds, decimals
+    csv: Path, seconds, decimals
 ) -> None:
-    path = tmp_path / 'a.csv'
     times = np.floor(np.arange(round(seconds * 25600.0)) / 25600.0 * 10**decimals) / 10**decimals
-    path.write_text(
+    csv.write_text(
         'time,acc\n' + '\n'.join(f'{t:.{decimals}f},{k % 7}' for k, t in enumerate(times))
     )
-    assert read_signal(path).sample_rate == pytest.approx(25600.0, rel=1.5e-3)
+    assert read_signal(csv).sample_rate == pytest.approx(25600.0, rel=1.5e-3)
 
 
-def test_infinite_times_are_refused_without_a_warning(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text('time,acc\n' + '-1e308,4\n1e308,5\n' * 50 + 'inf,2\ninf,3\n')
+def test_infinite_times_are_refused_without_a_warning(csv: Path) -> None:
+    csv.write_text('time,acc\n' + '-1e308,4\n1e308,5\n' * 50 + 'inf,2\ninf,3\n')
     with warnings.catch_warnings():
         warnings.simplefilter('error')
         with pytest.raises(BearingTwinError, match='have gaps, or too few digits'):
-            read_signal(path)
+            read_signal(csv)
 
 
-def test_times_that_hardly_change_give_no_sample_rate(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text('time,acc\n' + '\n'.join(f'{k // 12000},{k % 7}' for k in range(18000)))
+def test_times_that_hardly_change_give_no_sample_rate(csv: Path) -> None:
+    csv.write_text('time,acc\n' + '\n'.join(f'{k // 12000},{k % 7}' for k in range(18000)))
     with pytest.raises(BearingTwinError, match="its column 'time' have gaps, or too few digits"):
-        read_signal(path)
+        read_signal(csv)
 
 
-def test_a_rate_that_overrules_the_file_is_named_beside_it(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text('time,acc\n' + '\n'.join(f'{k / 1000.0},{k % 7}' for k in range(500)))
-    signal = read_signal(path, sample_rate=25600.0)
+def test_a_rate_that_overrules_the_file_is_named_beside_it(csv: Path) -> None:
+    csv.write_text('time,acc\n' + '\n'.join(f'{k / 1000.0},{k % 7}' for k in range(500)))
+    signal = read_signal(csv, sample_rate=25600.0)
     assert signal.source.endswith('acc (the file says 1000 Hz)')
     assert signal.sample_rate == 25600.0
 
 
-def test_times_in_another_unit_give_no_sample_rate(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text('time (min),acc\n' + '\n'.join(f'{k},{v:.9g}' for k, v in enumerate(X[:50])))
+def test_times_in_another_unit_give_no_sample_rate(csv: Path) -> None:
+    csv.write_text('time (min),acc\n' + '\n'.join(f'{k},{v:.9g}' for k, v in enumerate(X[:50])))
     with pytest.raises(BearingTwinError, match='does not say its sample rate'):
-        read_signal(path)
-    np.testing.assert_allclose(read_signal(path, sample_rate=1000.0).x, X[:50], rtol=1e-8)
+        read_signal(csv)
+    np.testing.assert_allclose(read_signal(csv, sample_rate=1000.0).x, X[:50], rtol=1e-8)
 
 
-def test_a_temperature_is_no_time(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
+def test_a_temperature_is_no_time(csv: Path) -> None:
     rows = '\n'.join(f'{20.0 + 0.01 * (k // 7)},{v:.9g}' for k, v in enumerate(X[:500]))
-    path.write_text(f'T (°C),acc\n{rows}')
-    signal = read_signal(path, channel='acc', sample_rate=1000.0)
+    csv.write_text(f'T (°C),acc\n{rows}')
+    signal = read_signal(csv, channel='acc', sample_rate=1000.0)
     np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
-    assert read_signal(path, channel='T', sample_rate=1000.0).x[0] == 20.0
+    assert read_signal(csv, channel='T', sample_rate=1000.0).x[0] == 20.0
 
 
 @pytest.mark.parametrize(
     ('heading', 'row', 'rate'),
     [('acc,T1,time', '{1},20,{0}', 1000.0), ('time (h),time (s),acc', '0,{0},{1}', 1000.0)],
 )
-def test_the_time_is_found_beside_what_looks_like_it(tmp_path, heading, row, rate) -> None:
-    path = tmp_path / 'a.csv'
+def test_the_time_is_found_beside_what_looks_like_it(csv, heading, row, rate) -> None:
     rows = '\n'.join(row.format(k / rate, f'{v:.9g}') for k, v in enumerate(X[:500]))
-    path.write_text(f'{heading}\n{rows}')
-    signal = read_signal(path)
+    csv.write_text(f'{heading}\n{rows}')
+    signal = read_signal(csv)
     assert signal.sample_rate == pytest.approx(rate)
     np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
 
 
-def test_a_counter_is_no_vibration(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
+def test_a_counter_is_no_vibration(csv: Path) -> None:
     rows = '\n'.join(f'{k},{v:.9g},{2 * v:.9g}' for k, v in enumerate(X[:500]))
-    path.write_text(f'Sample,acc [g],other\n{rows}')
-    signal = read_signal(path, sample_rate=1000.0)
+    csv.write_text(f'Sample,acc [g],other\n{rows}')
+    signal = read_signal(csv, sample_rate=1000.0)
     np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
     assert signal.source.endswith('acc [g] (there is also other)')
 
 
-def test_commas_of_two_meanings_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text('\n'.join(f'{k},{k + 10}' for k in range(50)))
+def test_commas_of_two_meanings_are_refused(csv: Path) -> None:
+    csv.write_text('\n'.join(f'{k},{k + 10}' for k in range(50)))
     with pytest.raises(BearingTwinError, match='decimal ones or part two columns: write a head'):
-        read_signal(path, sample_rate=1000.0)
+        read_signal(csv, sample_rate=1000.0)
     rows = [f'{k / 1e3:.3f},{v:.5f}'.replace('.', ',') for k, v in enumerate(X[:50])]
-    path.write_text('\n'.join(['time,acc', *rows]))
+    csv.write_text('\n'.join(['time,acc', *rows]))
     with pytest.raises(BearingTwinError, match='decimal ones and also part columns; export it'):
-        read_signal(path, sample_rate=1000.0)
-    path.write_text('acc\n' + '\n'.join(f'{v:.5f}; 0'.replace('.', ',') for v in X[:50]))
-    assert read_signal(path, channel='c0', sample_rate=1000.0).x[3] == pytest.approx(
-        X[3], abs=1e-5
-    )
+        read_signal(csv, sample_rate=1000.0)
+    csv.write_text('acc\n' + '\n'.join(f'{v:.5f}; 0'.replace('.', ',') for v in X[:50]))
+    assert read_signal(csv, channel='c0', sample_rate=1000.0).x[3] == pytest.approx(X[3], abs=1e-5)
 
 
 @pytest.mark.parametrize('heading', ['', 'acc\n'])
-def test_digits_with_a_zero_in_front_follow_a_decimal_comma(tmp_path: Path, heading) -> None:
-    path = tmp_path / 'a.csv'
-    path.write_text(heading + '\n'.join(f'{v:.5f}'.replace('.', ',') for v in X[:50]))
-    np.testing.assert_allclose(read_signal(path, sample_rate=1e3).x, X[:50], atol=1e-5)
+def test_digits_with_a_zero_in_front_follow_a_decimal_comma(csv: Path, heading) -> None:
+    csv.write_text(heading + '\n'.join(f'{v:.5f}'.replace('.', ',') for v in X[:50]))
+    np.testing.assert_allclose(read_signal(csv, sample_rate=1e3).x, X[:50], atol=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -626,8 +611,7 @@ def test_digits_with_a_zero_in_front_follow_a_decimal_comma(tmp_path: Path, head
         ('Time,acc\n', '%d.%m.%Y %H:%M:%S', ','),
     ],
 )
-def test_times_of_day_give_the_sample_rate(tmp_path: Path, heading, clock, separator) -> None:
-    path = tmp_path / 'a.csv'
+def test_times_of_day_give_the_sample_rate(csv: Path, heading, clock, separator) -> None:
     # From before noon on: after it the hours of AM and PM begin anew.
     begin = datetime(2026, 3, 4, 11, 59, 58)
     values = [f'{k % 7}{"," if separator == ";" else "."}25' for k in range(6000)]
@@ -635,53 +619,49 @@ def test_times_of_day_give_the_sample_rate(tmp_path: Path, heading, clock, separ
         f'{begin + timedelta(seconds=k / 1000.0):{clock}}{separator}{value}'
         for k, value in enumerate(values)
     ]
-    path.write_text(heading + '\n'.join(rows))
-    signal = read_signal(path)
+    csv.write_text(heading + '\n'.join(rows))
+    signal = read_signal(csv)
     assert signal.sample_rate == pytest.approx(1000.0)
     assert signal.x[:9].tolist() == [0.25, 1.25, 2.25, 3.25, 4.25, 5.25, 6.25, 0.25, 1.25]
-    path.write_text(heading + '\n'.join(rows[:3000] + rows[5000:]))
+    csv.write_text(heading + '\n'.join(rows[:3000] + rows[5000:]))
     with pytest.raises(BearingTwinError, match=r'longest step: [0-9.]+ s after \d+ values'):
-        read_signal(path)
+        read_signal(csv)
 
 
 @pytest.mark.parametrize('unit', [1.0, 1e3, 1e6, 1e9])
-def test_times_since_1970_tell_their_unit(tmp_path: Path, unit: float) -> None:
-    path = tmp_path / 'a.csv'
+def test_times_since_1970_tell_their_unit(csv: Path, unit: float) -> None:
     times = (np.arange(500) * 1000 + 1_772_625_600_000_000) * (unit / 1e6)
     rows = [f'{time:.6f},{v:.9g}' for time, v in zip(times, X, strict=False)]
-    path.write_text('timestamp,acc\n' + '\n'.join(rows))
-    assert read_signal(path).sample_rate == pytest.approx(1000.0, rel=1e-4)
+    csv.write_text('timestamp,acc\n' + '\n'.join(rows))
+    assert read_signal(csv).sample_rate == pytest.approx(1000.0, rel=1e-4)
 
 
-def test_units_in_a_line_below_the_heading(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
+def test_units_in_a_line_below_the_heading(csv: Path) -> None:
     rows = '\n'.join(f'{k};{v:.9g};{k % 3}' for k, v in enumerate(X[:500]))
-    path.write_text(f'Fan 7;;\nZeit;Motor DE;Motor NDE\n[ms];[mg];[mg]\n{rows}')
-    signal = read_signal(path)
+    csv.write_text(f'Fan 7;;\nZeit;Motor DE;Motor NDE\n[ms];[mg];[mg]\n{rows}')
+    signal = read_signal(csv)
     assert (signal.sample_rate, signal.unit) == (pytest.approx(1000.0), 'mg')
     assert signal.source.endswith('Motor DE [mg] (there is also Motor NDE [mg])')
 
 
-def test_a_column_of_acceleration_goes_before_others(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
+def test_a_column_of_acceleration_goes_before_others(csv: Path) -> None:
     rows = '\n'.join(f'{k},{k / 1e3},{1500 + k % 2},{v:.9g}' for k, v in enumerate(X[:500]))
-    path.write_text(f',time,Speed [1/min],Motor [m/s²]\n{rows}', encoding='cp1252')
-    signal = read_signal(path)
+    csv.write_text(f',time,Speed [1/min],Motor [m/s²]\n{rows}', encoding='cp1252')
+    signal = read_signal(csv)
     assert signal.source.endswith('Motor [m/s²] (there is also Speed [1/min])')
     assert signal.unit == 'm/s^2'
     assert signal.sample_rate == pytest.approx(1000.0)
     np.testing.assert_allclose(signal.x, X[:500], rtol=1e-8)
 
 
-def test_a_line_that_is_no_row_is_shown(tmp_path: Path) -> None:
-    path = tmp_path / 'a.csv'
+def test_a_line_that_is_no_row_is_shown(csv: Path) -> None:
     rows = [f'{k};{v:.5f}' for k, v in enumerate(X[:500])]
-    path.write_text('\n'.join(['n;acc', *rows[:200], '200;#NV', *rows[201:]]))
+    csv.write_text('\n'.join(['n;acc', *rows[:200], '200;#NV', *rows[201:]]))
     with pytest.raises(BearingTwinError, match=r"columns of numbers \(line 202 is '200;#NV'\)"):
-        read_signal(path, sample_rate=1e3)
-    path.write_text('n|acc\n' + '\n'.join(rows).replace(';', '|'))
+        read_signal(csv, sample_rate=1e3)
+    csv.write_text('n|acc\n' + '\n'.join(rows).replace(';', '|'))
     with pytest.raises(BearingTwinError, match=r"line 100 is '98\|.*'; export columns"):
-        read_signal(path, sample_rate=1e3)
+        read_signal(csv, sample_rate=1e3)
 
 
 def test_a_bearing_may_be_named_under_the_key_bearing(tmp_path: Path) -> None:
