@@ -26,12 +26,8 @@ def recording(tmp_path: Path) -> Path:
         for k in range(20):
             time = START + k * NANO // 2
             if k % 2 == 0 or k == 1:
-                writer.write(
-                    '/b' if k == 1 else '/a',
-                    TEMPERATURE,
-                    temperature_cdr(time, float(k)),
-                    log_time=time,
-                )
+                topic, cdr = '/b' if k == 1 else '/a', temperature_cdr(time, float(k))
+                writer.write(topic, TEMPERATURE, cdr, log_time=time)
     return path
 
 

@@ -38,7 +38,6 @@ from recording_samples import (
     START,
     TEMPERATURE,
     temperature_cdr,
-    VIBRATION,
     write_blocks,
 )
 from rosbags.rosbag2 import Reader
@@ -375,15 +374,6 @@ def test_own_unfinished_files_are_found_and_live_ones_are_not(tmp_path: Path) ->
     with file.open('rb') as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         assert find_unfinished(tmp_path) == []
-
-
-def test_topic_with_two_types_in_two_files(tmp_path: Path) -> None:
-    with RecordingWriter(tmp_path / 'run') as writer:
-        writer.write('/t', TEMPERATURE, temperature_cdr(1, 20.0), log_time=1)
-        writer.write('/t', VIBRATION, b'\x00\x01\x00\x00', log_time=2)
-        writer.write('/t', TEMPERATURE, temperature_cdr(3, 21.0), log_time=3)
-    types = [m.type_name for m in read_messages(tmp_path / 'run')]
-    assert types == [TEMPERATURE, VIBRATION, TEMPERATURE]
 
 
 @pytest.mark.parametrize('kind', ['mcap', 'npz', 'mat', 'wav', 'csv'])
