@@ -28,6 +28,14 @@ _WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFI
 """Pattern of a designation with maker and suffixes that change neither balls nor pitch diameter.
 The suffix E (as in ETN9) is not among them: it stands for more or larger balls. Without a limit on
 the number of suffixes, matching a name of 45 letters takes hours."""
+_ROLLERS_E = (
+    rf'(?:(?:{_MAKERS})[ -]*)?(?:nu|nj|nup|n)[ -]*(\d{{3,4}})[ -]*'
+    r'(?:e(?:c|a|w|m|ma|j|t|t2|g1|cp|cph|cj|cm|cml|cma|cpa)?|r)'
+    r'(?:[ /.-]*(?:xl|tvp2?|m1a?|mp1a|mpa|jp1|c[2345]|cn)){0,4}'
+)
+"""Pattern of a cylindrical roller bearing of the reinforced design (E, EC, Koyo: R), with maker,
+cage and clearance. NU, NJ, NUP and N differ in the flanges of their rings only. Without E such a
+bearing has fewer, smaller rollers."""
 _SAME_CAGE = 0.006
 """Largest difference between a stated FTF and that of BPFO and BPFI; makers round to 0.01."""
 _SAME_SPIN = 1.05
@@ -86,7 +94,8 @@ def find_bearing(name: str) -> Bearing:
 
     Case is ignored. A maker before the designation and suffixes of seals, shields, cage and
     clearance are ignored too, since they change no fault order: ``'SKF 6205-2RS JEM'`` is 6205.
-    61805 and 61905 are 6805 and 6905. A geometry in the form of :func:`own_bearing` also works.
+    61805 and 61905 are 6805 and 6905, ``'NJ 216 ECP'`` is NU216E. A geometry in the form of
+    :func:`own_bearing` also works.
 
     Raises
     ------
@@ -125,8 +134,8 @@ def close_bearings(name: str, count: int) -> list[Bearing]:
     --------
     >>> [bearing.name for bearing in close_bearings('6306', 1)]
     ['6306']
-    >>> [bearing.name for bearing in close_bearings('NU 205', 5)]
-    ['NU209']
+    >>> [bearing.name for bearing in close_bearings('NU 205', 1)]
+    ['NU205E']
     >>> close_bearings('FAG 6205-C-2HRS-C3', 5)[0].name
     '6205'
 
@@ -151,6 +160,8 @@ def _kind(name: str) -> str:
 
 def _designation(folded: str) -> str:
     """Return the designation without maker and suffixes; '' if the name contains none."""
+    if found := re.fullmatch(_ROLLERS_E, folded):
+        return f'nu{found[1]}e'
     found = re.fullmatch(_WITH_SUFFIXES, folded)
     if not found:
         return ''

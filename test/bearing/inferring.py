@@ -1,11 +1,15 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The balls that published ratings stand for, as the rows of the catalogue have them.
+The balls and rollers that published ratings stand for, as the rows of the catalogue have them.
 
 Makers print boundary dimensions, C_r, C_0r and f_0 of every bearing, but rarely its balls.
 ISO 281 and ISO 76 compute those three from number, diameter and pitch diameter of the balls, and
 balls come in the sizes of ISO 3290: so the printed ratings tell the balls.
+
+Of cylindrical roller bearings makers print the diameters of both raceways, which are those of the
+roller and of the pitch circle, and C_0r, which tells the number if rollers are whole millimetres
+long. C_r says nothing more: at one C_0r it changes as Z^(-1/36).
 """
 
 import math
@@ -110,3 +114,55 @@ def _pitch(mean: float, d_ball: float, factor: float) -> float:
 def _in_inches(size: float) -> bool:
     """Whether a diameter in mm is a whole number of 1/32 in."""
     return abs(round(size / 25.4 * 32.0) * 25.4 / 32.0 - size) < 1e-3
+
+
+_CORNERS = ((14.0, 1.0), (18.0, 1.6), (24.0, 2.0), (30.0, 2.4), (math.inf, 3.0))
+"""Largest diameter of a roller and the part of its length that does not bear, both mm."""
+_FILLED = (0.75, 0.88)
+"""Part of the pitch circle that the rollers of the reinforced design fill."""
+
+
+def roller_static_rating(count: int, length: float, d_roller: float, d_pitch: float) -> float:
+    """
+    Return C_0r of a cylindrical roller bearing with rollers of a nominal length, kN (ISO 76).
+
+    C_0r = 44 (1 - D_we / D_pw) Z L_we D_we; all lengths are in mm.
+    """
+    corners = next(lost for largest, lost in _CORNERS if d_roller <= largest)
+    return 0.044 * (1.0 - d_roller / d_pitch) * count * (length - corners) * d_roller
+
+
+def rounds_to(value: float, printed: float) -> bool:
+    """Whether a value is printed as ``printed``, with three digits."""
+    unit = 10.0 ** (math.floor(math.log10(printed)) - 2)
+    return abs(value - printed) <= 0.52 * unit
+
+
+def infer_roller_counts(
+    d_roller: float, d_pitch: float, printed: list[tuple[float, float]]
+) -> list[int]:
+    """
+    Return the numbers of rollers for which every printed C_0r is that of rollers of whole mm.
+
+    Bearings of several widths with the same raceways have the same number of rollers.
+
+    Parameters
+    ----------
+    d_roller, d_pitch
+        Half the difference and the mean of the diameters of both raceways, mm.
+    printed
+        Width, mm, and C_0r, kN, of each bearing with these raceways.
+
+    """
+    places = math.pi * d_pitch / d_roller
+    return [
+        count
+        for count in range(math.ceil(_FILLED[0] * places), math.floor(_FILLED[1] * places) + 1)
+        if all(
+            any(
+                rounds_to(roller_static_rating(count, length, d_roller, d_pitch), rating)
+                for length in range(math.ceil(d_roller), int(width))
+            )
+            for width, rating in printed
+        )
+    ]

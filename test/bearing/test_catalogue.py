@@ -4,6 +4,7 @@ import csv
 import dataclasses
 from importlib import resources
 import math
+import re
 
 from bearing_twin.bearing import (
     Bearing,
@@ -18,7 +19,7 @@ from bearing_twin.bearing import (
 )
 from bearing_twin.bearing.hertz import elliptic_integrals
 from bearing_twin.errors import BearingTwinError
-from inferring import infer_balls
+from inferring import infer_balls, infer_roller_counts, roller_static_rating, rounds_to
 import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
@@ -119,6 +120,79 @@ def test_inferred_balls_of_bearings_whose_balls_are_known(known, like):
     assert inferred.bpfo == pytest.approx(true.bpfo, rel=0.006)
     assert inferred.bpfi == pytest.approx(true.bpfi, rel=0.006)
     assert inferred.bsf == pytest.approx(true.bsf, rel=0.022)
+
+
+@pytest.mark.parametrize('name', [name for name in catalogue() if re.fullmatch(r'NU\d+E', name)])
+def test_inferred_rollers_are_what_the_static_rating_gives(name):
+    bearing = find_bearing(name)
+    size = bearing.bore, bearing.d_ball, bearing.d_pitch
+    printed = [
+        (other.width * 1e3, other.static_rating / 1e3)
+        for other in catalogue().values()
+        if other.width and (other.bore, other.d_ball, other.d_pitch) == size
+    ]
+    counts = infer_roller_counts(bearing.d_ball * 1e3, bearing.d_pitch * 1e3, printed)
+    assert counts == [bearing.n_balls]
+    assert bearing.basis == 'inferred'
+
+
+_SQUARE = {
+    'NU204': (27, 40, 12.7), 'NU205': (32, 45, 15.7), 'NU206': (38.5, 53.5, 21.5),
+    'NU207': (43.8, 61.8, 31.5), 'NU208': (50, 70, 42.9), 'NU209': (55, 75, 46.9),
+    'NU210': (60.4, 80.4, 51), 'NU211': (66.5, 88.5, 62.3), 'NU212': (73.5, 97.5, 79.9),
+    'NU213': (79.6, 105.6, 94.4), 'NU214': (84.5, 110.5, 95.2), 'NU215': (88.5, 116.5, 118),
+    'NU216': (95.3, 125.3, 122), 'NU217': (101.8, 133.8, 140), 'NU218': (107, 143, 178),
+    'NU219': (113.5, 151.5, 195), 'NU220': (120, 160, 217), 'NU221': (126.8, 168.8, 241),
+    'NU222': (132.5, 178.5, 290), 'NU224': (143.5, 191.5, 318), 'NU226': (156, 204, 362),
+    'NU228': (169, 221, 421), 'NU230': (182, 238, 492), 'NU232': (195, 255, 568),
+    'NU234': (208, 272, 637), 'NU236': (218, 282, 677), 'NU238': (231, 299, 768),
+    'NU240': (244, 316, 865), 'NU304': (28.5, 44.5, 19.2), 'NU305': (35, 53, 25.2),
+    'NU306': (42, 62, 35.2), 'NU307': (46.2, 68.2, 46.9), 'NU308': (53.5, 77.5, 56.9),
+    'NU309': (58.5, 86.5, 77.5), 'NU310': (65, 95, 93.4), 'NU311': (70.5, 104.5, 111),
+    'NU312': (77, 113, 126), 'NU313': (83.5, 121.5, 139), 'NU314': (90, 130, 168),
+    'NU315': (95.5, 139.5, 205), 'NU316': (103, 147, 207), 'NU317': (108, 156, 247),
+    'NU318': (115, 165, 265), 'NU319': (121.5, 173.5, 311), 'NU320': (129.5, 185.5, 337),
+    'NU321': (135, 195, 417), 'NU322': (143, 207, 467), 'NU324': (154, 226, 551),
+    'NU326': (167, 243, 667), 'NU328': (180, 260, 746),
+}  # fmt: skip
+"""
+F, E, mm, and C_0r, kN, of bearings whose rollers are as long as thick (JTEKT Koyo, Ball and roller
+bearings, cat. B2001).
+"""
+
+
+@pytest.mark.parametrize('name', list(_SQUARE))
+def test_static_ratings_of_square_rollers_stand_for_a_whole_number(name):
+    inner, outer, printed = _SQUARE[name]
+    roller, pitch = 0.5 * (outer - inner), 0.5 * (outer + inner)
+    counts = [
+        count
+        for count in range(8, 20)
+        if rounds_to(roller_static_rating(count, roller, roller, pitch), printed)
+    ]
+    assert len(counts) == 1
+    if name in catalogue():  # Harris, Rolling Bearing Analysis, the 209 cylindrical roller bearing
+        assert counts == [find_bearing(name).n_balls]
+
+
+@pytest.mark.parametrize(
+    ('said', 'name'),
+    [('SKF NJ 216 ECP', 'NU216E'), ('NUP 311-E-XL-TVP2/C3', 'NU311E'), ('nu2212 ecml', 'NU2212E'),
+     ('NSK NU 216 EM', 'NU216E'), ('N205EW', 'NU205E'), ('Koyo NJ308R', 'NU308E'),
+     ('NU 209', 'NU209')],
+)  # fmt: skip
+def test_flanges_and_cages_of_rollers_do_not_matter(said, name):
+    assert find_bearing(said).name == name
+
+
+@pytest.mark.parametrize(
+    ('name', 'close'),
+    [('NU216', 'NU216E'), ('SKF NJ 311', 'NU311E'), ('NU210 ECP', 'NU211E'), ('NNU216E', 'NU'),
+     ('NCF 2216 ECJB', 'NU')],
+)  # fmt: skip
+def test_rollers_that_may_have_another_number_are_refused(name, close):
+    with pytest.raises(BearingTwinError, match=f'the closest names: .*{close}'):
+        find_bearing(name)
 
 
 @pytest.mark.parametrize(
