@@ -55,6 +55,7 @@ from bearing_twin.dynamics.equations.sensor_path import band_levels, distance
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import one_axis
+from bearing_twin.repeats import repeated_span
 import numpy as np
 import numpy.typing as npt
 import scipy
@@ -234,6 +235,8 @@ def _checked(
     load_range(bearing, load)
     order = highest_fault_order(bearing)
     reasons = check_record([Extent.of(x)], sample_rate, shaft_hz, order)
+    if not reasons and (copies := repeated_span(x)):
+        reasons = [copies]
     if not reasons and sample_rate < LEAST_RATE:
         reasons = [f'sample rate {sample_rate:g} Hz: at least {LEAST_RATE:g} Hz are needed']
     if not reasons and shaft_hz > FASTEST_HZ:

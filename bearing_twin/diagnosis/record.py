@@ -11,7 +11,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import check_geometry, LEVELS, PLACES
-from bearing_twin.diagnosis.chain import Excerpt
+from bearing_twin.diagnosis.chain import Analysis, Excerpt
 from bearing_twin.diagnosis.machine.level import unrated, with_fault_stage, with_required_level
 from bearing_twin.diagnosis.rules.table import FAINT
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -21,13 +21,13 @@ from bearing_twin.diagnosis.signal.spectra import floor_levels
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import one_axis, real_number, real_numbers
+from bearing_twin.repeats import repeated_span
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from bearing_twin.bearing import Bearing
-    from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.diagnosis.result import Diagnosis
     from numpy.typing import ArrayLike, NDArray
 
@@ -135,6 +135,8 @@ def diagnose_record(
         longest=_WINDOW_TURNS, temperature=temperature, unit=unit,
     )  # fmt: skip
     analysis = cut(signal, profile).analyse()
+    if analysis.window and (copies := repeated_span(signal)):
+        analysis = Analysis(analysis.excerpt, analysis.shaft_hz, refused=(copies,))
     found = analysis.alone
     if found.rule in FAINT:
         if found.level == 'suspect' and _may_strike_in_bursts(analysis):
