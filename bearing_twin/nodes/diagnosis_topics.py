@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+import math
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -43,6 +44,9 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import Subscription
 
+
+_PAUSE = 0.5
+"""Least gap that is a pause between two snapshots of a series, in cycles."""
 
 VERDICT_LEVELS = {
     name: getattr(Diagnosis, f'LEVEL_{name.upper()}')
@@ -161,7 +165,9 @@ class DiagnosisTopics:
             self._refuse(error)
             return False
         intake.use(block.length)
-        if intake.gaps.count(block.first_sample, block.samples.size):
+        cycle = self.parameters['series_cycle'] * block.sample_rate
+        pause = _PAUSE * cycle if cycle else math.inf
+        if intake.gaps.count(block.first_sample, block.samples.size, pause=pause):
             self._core.checkpoints.ask()
         if self._core.checkpoints.is_due(block.first_sample):
             # A saved state is complete only if no verdict waits.

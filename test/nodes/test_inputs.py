@@ -15,6 +15,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.streams.arrival import MessageNumbers
 from bearing_twin.streams.shaft import ShaftSpeed
 from bearing_twin.streams.vibration_input import (
+    GapCounter,
     Intake,
     read_vibration,
     SOURCE_MEASURED,
@@ -452,3 +453,14 @@ def test_why_a_publisher_is_not_heard_is_told(here):
     for each in (node, adapter, twin):
         each.shut_down()
     rclpy.shutdown(context=other)
+
+
+def test_a_gap_that_is_a_pause_is_not_lost():
+    """The pauses between the snapshots of a series are meant, and a gap within one is not."""
+    gaps = GapCounter()
+    for first in (0, 1000, 1500, 90_000):
+        assert not gaps.count(first, 400, pause=50_000)
+    assert (gaps.lost, gaps.restarts) == (600 + 100, 0)
+    assert gaps.count(0, 400, pause=50_000)
+    assert not gaps.count(90_000, 400)
+    assert (gaps.lost, gaps.restarts) == (700 + 89_600, 1)

@@ -31,6 +31,7 @@ def snapshot(number, level):
 
 
 def test_snapshots_hours_apart_are_one_series(nodes, probe):
+    probe.watch_diagnostics()
     verdicts = probe.collect(Diagnosis, 'diagnosis')
     nodes.start(
         'diagnosis',
@@ -61,6 +62,10 @@ def test_snapshots_hours_apart_are_one_series(nodes, probe):
     # Each verdict is of one snapshot, at its own time.
     assert {v.sample_count for v in verdicts} == {int(SECONDS * RATE)}
     assert all((v.header.stamp.sec - 1_700_000_000) % (3600 * HOURS) == 0 for v in verdicts)
+    # The pauses between them are meant.
+    name = 'diagnosis: vibration input'
+    probe.until(lambda: int(probe.status(name)[2].get('blocks_used', 0)) > 10, 'a status')
+    assert probe.status(name)[2]['samples_lost'] == '0'
 
 
 def test_a_series_is_saved_once_a_verdict(nodes, probe):
