@@ -48,6 +48,8 @@ class TopicHealth:
     worst_stamp_error: float = 0.0
     """Largest difference between the step of the stamps and the step of the index, s."""
     undecodable: int = 0
+    reason: str = ''
+    """Why the first of these messages cannot be decoded."""
 
 
 @dataclass
@@ -77,7 +79,8 @@ class RecordingHealth:
                     'give each one of its own'
                 )
             if topic.undecodable:
-                found.append(f'{name}: {topic.undecodable} messages cannot be decoded')
+                count, reason = topic.undecodable, topic.reason
+                found.append(f'{name}: {count} messages cannot be read ({reason})')
         return found
 
 
@@ -155,8 +158,9 @@ class _TopicCheck:
                 first, length = int(block.first_sample), max(block.x.size, block.y.size)
                 stamp = stamp_ns(block.header.stamp)
                 self._count_block(first, length, stamp, float(block.sample_rate))
-        except BearingTwinError:
+        except BearingTwinError as error:
             self.health.undecodable += 1
+            self.health.reason = self.health.reason or str(error)
 
     def _count_block(self, first: int, length: int, stamp: int, sample_rate: float) -> None:
         health = self.health

@@ -40,3 +40,11 @@ def test_messages_with_other_fields_are_refused_by_name(tmp_path, capsys):
     assert cli.main(['report', older, '-o', str(tmp_path / 'page.html')]) == 0
     page = (tmp_path / 'page.html').read_text()
     assert verdicts in page and states in page and 'Vibration simulated by' in page
+    with RecordingWriter(tmp_path / 'new') as writer:
+        for message in read_messages(tmp_path / 'run', topics=['/vibration']):
+            schema = message.channel.schema.replace('uint8 source', 'uint8 origin')
+            writer.copy(message._replace(channel=replace(message.channel, schema=schema)))
+    assert cli.main(['info', str(tmp_path / 'new')]) == 1
+    said = ' '.join(capsys.readouterr().out.split())
+    why = '/vibration has another bearing_twin_msgs/msg/Vibration than this version knows'
+    assert f'messages cannot be read ({why}: unlike in source, origin; use the version' in said
