@@ -57,6 +57,7 @@ ul { margin: 6px 0; padding-left: 20px; font-size: 14px; overflow-wrap: anywhere
   .overview { break-after: page; } .machine + .machine { break-before: page; }
   .appendix .machine { break-before: auto; }
   .appendix { break-before: page; border: 0; margin: 0; padding: 0; }
+  .appendix table { break-inside: avoid; }
   .appendix table, .appendix ul { font-size: 7.5pt; } }
 """
 
