@@ -54,6 +54,8 @@ class DiagnosisCheck:
         self._latest: Any = None
         self._before_gap: Any = None
         self._next_sample = 0
+        # Where the re-run began, and whether with the blocks before it.
+        self._begun = (0, False)
         # Windows of verdicts of the re-run without a recorded verdict to compare with.
         self._unanswered: list[tuple[int, int]] = []
         # Whether unrecorded inputs may matter: temperature of a missing verdict, joint speeds.
@@ -128,10 +130,14 @@ class DiagnosisCheck:
     def _drop_unmade(self, sample: int) -> None:
         """Count recorded verdicts on windows that ended by ``sample`` and were not made again."""
         while self._verdicts and _end(self._verdicts[0][1]) <= sample:
-            window = _window(self._verdicts.popleft()[1])
+            verdict = self._verdicts.popleft()[1]
+            window = _window(verdict)
             if window in self._unanswered:
                 # It was published after the horizon, so its inputs were not known in time.
                 self._unanswered.remove(window)
+                self._agreement.skipped += 1
+            elif self._is_earlier(verdict):
+                # It was published after a pause, and the checkpoint is within its snapshot.
                 self._agreement.skipped += 1
             else:
                 self._agreement.differ(f'{self._topic} at sample {window[0]}: not made again')
@@ -188,13 +194,15 @@ class DiagnosisCheck:
         self._run = self._opened(values, state, window)
         self._past.clear()
         self._uncertain = False
-        # Verdicts on earlier windows cannot be re-run.
-        while self._verdicts:
-            verdict = self._verdicts[0][1]
-            if (_end(verdict) if window else int(verdict.first_sample) + 1) > sample:
-                break
+        self._begun = (sample, bool(window))
+        while self._verdicts and self._is_earlier(self._verdicts[0][1]):
             self._agreement.skipped += 1
             self._verdicts.popleft()
+
+    def _is_earlier(self, verdict: Any) -> bool:
+        """Return whether a verdict is on a window from before the re-run began."""
+        sample, with_window = self._begun
+        return (_end(verdict) if with_window else int(verdict.first_sample) + 1) <= sample
 
     def _opened(self, values: dict[str, Any], state: bytes, window: list[Any]) -> DiagnosisRun:
         """Return a diagnosis in a recorded state, with the blocks before it in its window."""
