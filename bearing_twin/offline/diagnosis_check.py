@@ -54,6 +54,8 @@ class DiagnosisCheck:
         self._latest: Any = None
         self._before_gap: Any = None
         self._next_sample = 0
+        # Whether the next verdict counts gaps, of which the re-run knows the last one only.
+        self._counts_gaps = False
         # Where the re-run began, and whether with the blocks before it.
         self._begun = (0, False)
         # Windows of verdicts of the re-run without a recorded verdict to compare with.
@@ -152,9 +154,10 @@ class DiagnosisCheck:
         self._agreement.missing += len(self._unanswered)
         self._unanswered.clear()
         message, _ = self._verdicts.popleft()
-        if self._uncertain and without_padding(message) != output.cdr:
+        counts_gaps, self._counts_gaps = self._counts_gaps, False
+        if (self._uncertain or counts_gaps) and without_padding(message) != output.cdr:
             self._agreement.skipped += 1
-            if self._run is not None and self._run.values['joint']:
+            if self._uncertain and self._run is not None and self._run.values['joint']:
                 self._note('the speeds of the joint are not all known: a verdict is not compared')
             return
         self._agreement.compare(message, output.cdr, f'{self._topic} at sample {window[0]}')
@@ -212,6 +215,7 @@ class DiagnosisCheck:
         speed = self._speed(run)
         # The first verdict after a gap tells of it.
         gap = [self._before_gap] if window[0] is self._past[0] and self._before_gap else []
+        self._counts_gaps = bool(gap)
         for block in (*gap, *window):
             with contextlib.suppress(BearingTwinError):
                 # The node refuses such a block as well.

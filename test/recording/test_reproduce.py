@@ -244,6 +244,17 @@ def test_blocks_that_a_source_left_out_make_no_sound_recording_differ(tmp_path: 
     assert diagnosis == Agreement(identical=9 + 3)
 
 
+def test_several_gaps_within_a_window_make_no_sound_recording_differ(tmp_path: Path) -> None:
+    """The first verdict after them tells how many there were."""
+    run = DiagnosisRun(read_values(SPECS, {'shaft_hz': 25.0}))
+    simulator = Simulator(preset('incipient', defect='inner'))
+    numbers = (*range(215), *range(216, 225), *range(226, 235), *range(240, 500))
+    record(tmp_path / 'run', run, simulator, dict.fromkeys(numbers, math.nan))
+    diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
+    assert (diagnosis.different, diagnosis.missing, diagnosis.skipped) == (0, 0, 1)
+    assert diagnosis.identical > 5
+
+
 def test_snapshots_with_pauses_between_them_are_compared(tmp_path: Path) -> None:
     series = {'shaft_hz': 25.3, 'series_cycle': 20.0, 'series_snapshot': 1.0}
     simulator = Simulator(preset('incipient', defect='inner'))
