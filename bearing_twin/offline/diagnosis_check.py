@@ -109,11 +109,14 @@ class DiagnosisCheck:
             self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
             self._run = None
         latest, self._latest = self._latest, block
+        ended = self._next_sample
         self._next_sample = _block_end(block)
         if self._run is None:
             self._keep(block, latest)
             return
-        self._drop_unmade(first)
+        # A snapshot that a pause cuts short is judged with the block after the pause.
+        waits = first > ended and not self._run.may_pause
+        self._drop_unmade(ended - 1 if waits else first)
         temperature, speed = math.nan, math.nan
         if self._verdicts:
             temperature = float(self._verdicts[0][1].temperature)

@@ -266,11 +266,14 @@ def test_snapshots_with_pauses_between_them_are_compared(tmp_path: Path) -> None
     assert (diagnosis.identical, diagnosis.different, diagnosis.skipped) == (5, 0, 1)
 
 
-def test_snapshots_that_a_pause_cuts_short_make_no_sound_recording_differ(tmp_path: Path) -> None:
-    """Such a verdict comes after the pause, and the checkpoints are within the snapshots."""
+@pytest.mark.parametrize('cycle', [499, 500])
+def test_snapshots_that_a_pause_cuts_short_make_no_sound_recording_differ(
+    cycle: int, tmp_path: Path
+) -> None:
+    """Such a verdict comes after the pause; checkpoints are within or between the snapshots."""
     series = {'shaft_hz': 25.3, 'series_cycle': 20.0, 'series_snapshot': 2.5}
     simulator = Simulator(preset('incipient', defect='inner'))
-    numbers = [499 * k + n for k in range(6) for n in range(28)]
+    numbers = [cycle * k + n for k in range(6) for n in range(28)]
     run = DiagnosisRun(read_values(SPECS, series))
     record(tmp_path / 'run', run, simulator, dict.fromkeys(numbers, math.nan))
     diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
