@@ -247,10 +247,7 @@ class DiagnosisCheck:
 
     def _window_before(self, sample: int, run: DiagnosisRun) -> list[Any] | None:
         """Return the blocks before a checkpoint that the next verdict needs; None if not all."""
-        due = (
-            int(verdict.first_sample) for _, verdict in self._verdicts if _end(verdict) > sample
-        )
-        first = run.first_needed_sample(sample, next(due, sample))
+        first = run.first_needed_sample(sample)
         window = [block for block in self._past if _block_end(block) > first]
         reaches_back = bool(window) and int(window[0].first_sample) <= first
         whole = reaches_back and _block_end(window[-1]) == sample

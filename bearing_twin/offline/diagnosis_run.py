@@ -36,16 +36,15 @@ class DiagnosisRun(DiagnosisCore):
         if state is not None:
             self.diagnoser.load(state)
 
-    def first_needed_sample(self, sample: int, due: int) -> int:
+    def first_needed_sample(self, sample: int) -> int:
         """
         Return the index of the first sample needed to go on at ``sample`` with the loaded state.
 
-        ``due`` is where the next recorded window begins. A series depends on it: its state does
-        not hold the begin of a snapshot.
+        A series needs none before it: with its state it begins a new snapshot.
         """
         if isinstance(self.diagnoser, StreamingDiagnoser):
             return self.diagnoser.first_needed_sample(sample)
-        return due
+        return sample
 
     @property
     def may_pause(self) -> bool:
