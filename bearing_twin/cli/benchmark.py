@@ -18,13 +18,12 @@ from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 import difflib
-from itertools import islice, product, repeat
+from itertools import product, repeat
 import json
 import math
 from pathlib import Path
 import sys
 from typing import Any, TYPE_CHECKING
-import zlib
 
 from bearing_twin.bearing import Bearing, catalogue, find_bearing, named_bearing, PLACES
 from bearing_twin.cli.arguments import file_name, processes, refuse_given
@@ -100,10 +99,6 @@ class Piece:
     """(kind of group, name), e.g. ``('grade', 'Y1')``."""
 
 
-COUNT = 12
-"""Number of other bearings that are tried on a record."""
-
-
 OFF = (-0.05, -0.03, 0.03, 0.05)
 """Relative errors of the given speed, without a stated tolerance."""
 
@@ -116,19 +111,11 @@ Judged = tuple[str, bool, str, bool]
 """Trial, whether the machine is damaged, the answer, and whether it is an alarm."""
 
 
-def others(record: str, bearing: Bearing) -> Iterator[Bearing]:
-    """Yield catalogue bearings other than the machine's; a record always has the same ones."""
-    known = list(catalogue().values())
-    order = np.random.default_rng(zlib.crc32(record.encode())).permutation(len(known))
-    yield from islice((known[i] for i in order if is_another(known[i], bearing)), COUNT)
-
-
-def judge_misled(
-    record: str, label: str, bearing: Bearing, signal: Signal, shaft_hz: float
-) -> list[Judged]:
-    """Return the verdicts on a record with other bearings, and with its own at other speeds."""
+def judge_misled(label: str, bearing: Bearing, signal: Signal, shaft_hz: float) -> list[Judged]:
+    """Return the verdicts with each other bearing of the catalogue, and at other speeds."""
     x = signal.x[: int(SECONDS * signal.sample_rate)]
-    trials = [('wrong bearing', other, shaft_hz) for other in others(record, bearing)]
+    others = (other for other in catalogue().values() if is_another(other, bearing))
+    trials = [('wrong bearing', other, shaft_hz) for other in others]
     trials += [('speed 3 and 5 % off', bearing, shaft_hz * (1.0 + off)) for off in OFF]
     judged = []
     for trial, given, hertz in trials:
@@ -337,10 +324,10 @@ def score_case(case: Case, full: bool = False) -> list[Piece]:
     return pieces
 
 
-def score_misled(case: Case) -> list[tuple[str, bool, str, bool]]:
+def score_misled(case: Case) -> list[Judged]:
     """Return the verdicts on a record with wrong bearings and wrong speeds."""
     signal = read_signal(Path(case.path), channel=case.channel)
-    return judge_misled(case.name, case.label, case.bearing, signal, case.speeds[0][1])
+    return judge_misled(case.label, case.bearing, signal, case.speeds[0][1])
 
 
 def run(args: argparse.Namespace) -> int:
@@ -355,7 +342,10 @@ def run(args: argparse.Namespace) -> int:
     warm_up()
     with ProcessPoolExecutor(processes(args.jobs, len(cases))) as pool:
         if args.misled:
-            judged = (said for part in pool.map(score_misled, cases) for said in part)
+            judged: list[Judged] = []
+            for done, of_record in enumerate(pool.map(score_misled, cases), start=1):
+                judged += of_record
+                progress(done, len(cases), 'records')
             heading = ('given', 'machine', 'verdicts', *ANSWERS, 'alarms')
             print_table(heading, misled_rows(judged))
             return 0

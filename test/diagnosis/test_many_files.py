@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 
+from bearing_twin.bearing import catalogue
 from bearing_twin.cli import main
 from bearing_twin.cli.diagnose import file
 from commands import json_lines, python
@@ -46,10 +47,13 @@ def test_benchmark_of_a_small_folder(good, tmp_path, capsys):
     assert '| all | 2 |' in text  # of the confidence
     assert main(['benchmark', str(tmp_path), '--misled', '--jobs', '1']) == 0
     rows = [line.split(' | ') for line in capsys.readouterr().out.splitlines()[2:]]
-    assert [row[:3] for row in rows] == [
-        ['| wrong bearing', 'damaged', '24'],
-        ['| speed 3 and 5 % off', 'damaged', '8'],
+    # All of the catalogue but 6307, whose geometry is that of the machine, and those alike.
+    assert 0.95 * len(catalogue()) < int(rows[0][2]) / 2 < len(catalogue())
+    assert [row[:2] for row in rows] == [
+        ['| wrong bearing', 'damaged'],
+        ['| speed 3 and 5 % off', 'damaged'],
     ]
+    assert rows[1][2] == '8'
     assert main(['benchmark', str(tmp_path), '--full', '--jobs', '1', '--json']) == 0
     pieces = json_lines(capsys)
     assert [piece['groups']['grade'] for piece in pieces] == ['d Y1', 'd Y2']
