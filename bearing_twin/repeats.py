@@ -116,6 +116,8 @@ def _span(x: NDArray[np.float64], place: int) -> int:
     begins = np.flatnonzero(x[place + _PATTERN : len(x) - _PATTERN + 1] == pattern[0])
     begins += place + _PATTERN
     for offset in range(1, _PATTERN):
+        if not len(begins):
+            return 0
         begins = begins[x[begins + offset] == pattern[offset]]
     return int(begins[0]) - place if len(begins) else 0
 
