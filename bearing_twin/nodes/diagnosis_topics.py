@@ -236,7 +236,7 @@ class DiagnosisTopics:
         problems = [self._core.rate_problem, *self._measured.problems(), unkept]
         if self._node.active and not self._prefix:
             problems += [
-                unheard(self._node, each, 'not heard')
+                unheard(self._node, each)
                 for each in self._inputs
                 if each.msg_type is not Vibration
             ]

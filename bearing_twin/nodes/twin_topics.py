@@ -108,7 +108,7 @@ class TwinTopics:
     def status(self) -> Status:
         """Return the status of the inputs for /diagnostics."""
         asked = self._asked if self._node.active else []
-        unheard_of = (unheard(self._node, each, 'not heard') for each in asked)
+        unheard_of = (unheard(self._node, each) for each in asked)
         return temperature_status(self._twin.temperature, *self._twin.problems(), *unheard_of)
 
     def validity(self) -> Status:

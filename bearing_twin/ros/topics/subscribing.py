@@ -130,8 +130,9 @@ def with_mismatch_reasons(
     return f'{text}{where}{"; ".join(dict.fromkeys(reasons))}'
 
 
-def unheard(node: Node, subscription: Subscription[Any], text: str) -> str:
-    """Return ``text`` with the reasons of :func:`with_mismatch_reasons`; '' if there are none."""
+def unheard(node: Node, subscription: Subscription[Any]) -> str:
+    """Return "not heard" and why, as `with_mismatch_reasons` says; '' if there is no reason."""
+    text = 'not heard'
     said = with_mismatch_reasons(node, subscription, text)
     return said if said != text else ''
 
