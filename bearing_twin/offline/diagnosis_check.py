@@ -54,7 +54,7 @@ class DiagnosisCheck:
         self._latest: Any = None
         self._before_gap: Any = None
         self._next_sample = 0
-        # Whether the next verdict counts gaps, of which the re-run knows the last one only.
+        # Whether the next verdict counts gaps. The re-run knows only the last of them.
         self._counts_gaps = False
         # Where the re-run began, and whether with the blocks before it.
         self._begun = (0, False)
