@@ -57,12 +57,12 @@ inputs `.subscription.`), TOPIC being the full name.
 A change of parameters is accepted or refused as a whole. Parameters with "no" in the column
 "running" can be changed only while the node is not configured.
 
-A value outside the column "values" is refused with the limit and the remedy. `0 or 10 .. 50000`
-means 10 to 50000, or 0 with the meaning given in the last column. A value that is given always
-holds against the preset, also where it equals the default. Whole numbers are accepted for `double`
-and `string`, at start (`bearing:=6307`) and by `ros2 param set`. A parameter name that the node
-does not have is refused; at start, where a file may be shared, a node logs a warning with the
-nearest names instead. A file of assets and an offline run refuse it.
+A value outside the column "values", which also has the unit, is refused with the limit and the
+remedy. `0 or 10 .. 50000` means 10 to 50000, or 0 with the meaning given in the last column. A
+value that is given always holds against the preset, also where it equals the default. Whole
+numbers are accepted for `double` and `string`, at start (`bearing:=6307`) and by `ros2 param set`.
+A parameter name that the node does not have is refused; at start, where a file may be shared, a
+node logs a warning with the nearest names instead. A file of assets and an offline run refuse it.
 
 ROS 2 joins the sections `/**` of all parameter files and of `-p` to the first one. Where a file
 begins with `/**` and sets a parameter in a section `/**/twin` behind it, `-p` loses against it
@@ -172,7 +172,7 @@ EVERY_NODE = ('/rosout', '/parameter_events')
 CLOCK_IN = ('in', '/clock')
 ABSOLUTE = ('diagnostics', 'clock')
 
-PARAMETER = ('parameter', 'type', 'default', 'unit', 'values', 'running', 'meaning')
+PARAMETER = ('parameter', 'type', 'default', 'values', 'running', 'meaning')
 
 Row = tuple[str, ...]
 
@@ -390,15 +390,15 @@ def _parameters(specs: Iterable[Spec]) -> list[Row]:
             limits = f'{_number(spec.low)} .. {_number(spec.high)}'
             if spec.special is not None and not spec.low <= spec.special[0] <= spec.high:
                 limits = f'{_number(spec.special[0])} or {limits}'
+            limits = f'{limits} {spec.unit}'.rstrip()
         else:
-            limits = ''
+            limits = spec.unit
         kind = 'string[]' if isinstance(spec.default, list) else type(spec.default).__name__
         rows.append(
             (
                 f'`{spec.name}`',
                 {'str': 'string', 'float': 'double'}.get(kind, kind),
                 f'`{_default(spec.default)}`',
-                spec.unit,
                 limits,
                 'yes' if spec.running else 'at start only' if spec.read_only else 'no',
                 spec.description.replace('|', '\\|'),
@@ -408,10 +408,13 @@ def _parameters(specs: Iterable[Spec]) -> list[Row]:
 
 
 def _number(value: float) -> str:
-    return str(int(value)) if value == int(value) else repr(value)
+    """Return a number in six digits; a whole one that has more in all of them."""
+    short = f'{value:.6g}'
+    return str(int(value)) if value == int(value) != float(short) else short
 
 
 def _default(value: object) -> str:
+    value = float(f'{value:.6g}') if isinstance(value, float) else value
     return str(yaml.safe_dump(value, default_flow_style=True)).split('\n')[0]
 
 
