@@ -50,13 +50,15 @@ def time_unit(seconds: float) -> tuple[str, float]:
 
     Examples
     --------
-    >>> time_unit(40.0), time_unit(900.0), time_unit(86400.0)
-    (('s', 1.0), ('min', 60.0), ('h', 3600.0))
+    >>> time_unit(40.0), time_unit(900.0), time_unit(86400.0), time_unit(604800.0)
+    (('s', 1.0), ('min', 60.0), ('h', 3600.0), ('d', 86400.0))
 
     """
     if seconds < 600.0:
         return 's', 1.0
-    return ('min', 60.0) if seconds < 3.0 * 3600.0 else ('h', 3600.0)
+    if seconds < 3.0 * 3600.0:
+        return 'min', 60.0
+    return ('h', 3600.0) if seconds < 3.0 * 86400.0 else ('d', 86400.0)
 
 
 def samples_ns(count: int, rate: float) -> int:

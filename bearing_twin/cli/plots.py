@@ -11,7 +11,11 @@ from bearing_twin.assets.calibration.task import comparison
 from bearing_twin.assets.messages import diagnosis_message, spectrum_message
 from bearing_twin.dynamics.equations.sensor_path import BAND_HZ
 from bearing_twin.view.report.fitted import draw_comparison
-from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
+from bearing_twin.view.report.spectra import (
+    draw_envelope_spectrum,
+    draw_spectrum,
+    envelope_caption,
+)
 from bearing_twin.view.report.svg import STYLE
 from bearing_twin.view.spectrum import SpectrumPicture
 from bearing_twin.view.verdict import title_of
@@ -41,7 +45,7 @@ def draw_diagnosis(diagnosis: Diagnosis, path: Path, *, title: str) -> None:
         figure.suptitle(f'{title}: {title_of(verdict)} [{diagnosis.level}]')
         if envelope is not None:
             draw_envelope_spectrum(upper, envelope)
-            upper.supxlabel(fill(CAPTION, 120), fontsize='small')
+            upper.supxlabel(fill(envelope_caption(envelope), 120), fontsize='small')
         if spectrum is not None:
             band = envelope.band if envelope is not None else (0.0, 0.0)
             draw_spectrum(lower.subplots(), spectrum, band)

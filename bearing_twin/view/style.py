@@ -68,6 +68,19 @@ Green is healthy, grey is no verdict, all others need attention.
 """
 
 
+def verdict_state(result: str) -> State:
+    """
+    Return the state of a result; that of no statement for one that is not known.
+
+    Examples
+    --------
+    >>> verdict_state('outer').label, verdict_state('').label
+    ('Outer race fault', 'Insufficient')
+
+    """
+    return next((v for v in VERDICTS if v.key == result), VERDICTS[-1])
+
+
 def ink(ground: Colour) -> str:
     """
     Return a colour in which letters can be read on a background.

@@ -175,6 +175,7 @@ TWIN_STATE = (
             Trend('late', 'late blocks', LINE['violet'], 'blocks_late'),
             Trend('dropped', 'dropped blocks', LINE['red'], 'blocks_dropped'),
         ),
+        from_zero=True,
     ),
 )
 """Panels of a TwinState."""

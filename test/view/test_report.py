@@ -27,7 +27,10 @@ from bearing_twin.view.report.plots import (
     _panels,
     _patches,
     _waterfall,
+    verdicts_over_time,
 )
+from bearing_twin.view.report.svg import hex_colour
+from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.trends import DIAGNOSIS, LINE, Panel, Trend, zone_limits
 from copies import put
 from matplotlib.figure import Figure
@@ -181,6 +184,8 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     text = report_page(both)
     elements = Elements(text)
     assert len(elements.ids) == len(set(elements.ids))
+    # A name may break between its parts.
+    text = text.replace('<wbr>', '')
     assert 'Machine /line3/bearing_7' in text
     assert 'Machine /line3/bearing_8' in text
     # Pictures of the appendix are of the machine above them.
@@ -188,8 +193,7 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     heads = [appendix.index(f'>Machine {name}</h2>') for name in machines]
     assert heads[0] < appendix.index('<figure>') < heads[1] < appendix.rindex('<figure>')
     # All verdicts before the first machine.
-    linked = text.replace('<wbr>', '')
-    assert linked.index('>/line3/bearing_8</a>') < linked.index('Machine /line3/bearing_7')
+    assert text.index('>/line3/bearing_8</a>') < text.index('Machine /line3/bearing_7')
 
 
 @pytest.mark.usefixtures('undrawn')
@@ -262,7 +266,7 @@ def test_the_last_verdict_ends_with_the_recording(recording):
     (last, _), duration = machine.diagnoses[-1], machine.vibration[-1][0]
     assert last <= machine.end == pytest.approx(duration, abs=0.1)
     axes = Figure().subplots()
-    (patch,) = _patches(axes, machine).values()
+    (patch,) = _patches(axes, machine, 1.0).values()
     assert patch.get_x() + patch.get_width() == pytest.approx(machine.end)
 
 
@@ -281,13 +285,38 @@ def test_the_caption_of_the_history_names_what_it_shows(recording, left_out, cap
     assert [name for name, _ in drawn(machine, _history)] == [caption]
 
 
-def test_a_day_is_told_in_hours(recording):
+@pytest.mark.parametrize(('hours', 'unit'), [(1, 'h'), (24, 'd')])
+def test_a_day_is_told_in_hours_and_weeks_in_days(recording, hours, unit):
     (machine,) = machines_of(recording).values()
-    machine.diagnoses = [(3600.0 * k, made) for k, (_, made) in enumerate(machine.diagnoses[:24])]
+    verdicts = enumerate(machine.diagnoses[:24])
+    machine.diagnoses = [(3600.0 * hours * k, made) for k, (_, made) in verdicts]
     (_, history), (_, deciding) = drawn(machine, _history, _evidence)
-    assert 'time since the start of the recording [h]' in history
-    assert 'time [h]' in deciding
+    assert f'time since the start of the recording [{unit}]' in history
+    assert f'time [{unit}]' in deciding
     assert '000</text>' not in history + deciding
+
+
+def test_colours_are_not_all_that_tells_verdicts_and_families_apart(recording):
+    (machine,) = machines_of(recording).values()
+    (_, history), (_, deciding), (_, other) = drawn(machine, _history, _evidence, _other_evidence)
+    # Once in the legend, and once in the lane itself.
+    assert history.count('>Inner race fault</text>') == 2
+    # A marker in the legend and several in each panel, in the colour of the family.
+    for family in FAMILIES:
+        colour = hex_colour(family.colour)
+        assert len(re.findall(f'<use [^>]*fill: {colour}', deciding)) >= 5
+    assert 'crest factor green ■' in other
+
+
+def test_many_machines_with_long_names_have_figures_of_a_sheet_each(recording):
+    (machine,) = machines_of(recording).values()
+    names = [f'/hall_{k:03d}/{"recirculation_" * 8}pump_{k:03d}' for k in range(100)]
+    pictures = verdicts_over_time([replace(machine, namespace=name) for name in names])
+    assert len(pictures) == 3
+    heights = [float(re.search(r'height="([\d.]+)pt"', svg)[1]) for _, svg in pictures]
+    assert max(heights) < 0.9 * 297.0 / 25.4 * 72.0
+    shown = ''.join(svg for _, svg in pictures)
+    assert all(re.search(rf'>/hall_{k:03d}/.*pump_{k:03d}</text>', shown) for k in range(100))
 
 
 def test_limits_too_close_for_letters_share_a_mark():

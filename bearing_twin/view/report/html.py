@@ -50,19 +50,23 @@ ul { margin: 6px 0; padding-left: 20px; font-size: 14px; overflow-wrap: anywhere
 @page { size: A4; margin: 12mm; }
 @media print { body { padding: 0; max-width: none; font-size: 9.5pt; }
   h1 { font-size: 14pt; } .verdict b { font-size: 18pt; } table { font-size: 8.5pt; }
-  ul { font-size: 9pt; } figcaption { font-size: 8pt; } h2 { break-after: avoid; }
+  ul { font-size: 9pt; } figcaption { font-size: 8pt; } h1, h2, .good, .bad { break-after: avoid; }
   figure { margin: 6px 0; } figure svg { min-width: 0; }
   .columns { grid-template-columns: 1fr 1fr; } .wide table { min-width: 0; }
   .screen { display: none; } .print { display: block; }
+  .overview table { font-size: 7.5pt; }
   .overview { break-after: page; } .machine + .machine { break-before: page; }
   .appendix .machine { break-before: auto; }
   .appendix { break-before: page; border: 0; margin: 0; padding: 0; }
-  .appendix table { break-inside: avoid; }
+  .appendix table { break-inside: avoid; } .appendix table.long { break-inside: auto; }
   .appendix table, .appendix ul { font-size: 7.5pt; } }
 """
+
+SHEET = 25
+"""Largest number of rows of a table that print does not part."""
 
 
 def table(rows: Iterable[tuple[str, str]]) -> str:
     """Return names and values as a table."""
-    cells = ''.join(f'<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>' for k, v in rows)
-    return f'<table>{cells}</table>'
+    lines = [f'<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>' for k, v in rows]
+    return f'<table{" class=long" if len(lines) > SHEET else ""}>{"".join(lines)}</table>'

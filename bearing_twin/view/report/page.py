@@ -21,7 +21,7 @@ from bearing_twin.view.report.html import CSS, table
 from bearing_twin.view.report.plots import appended_figures, figures, verdicts_over_time
 from bearing_twin.view.report.svg import hex_colour
 from bearing_twin.view.source import bearing_in_words
-from bearing_twin.view.style import FAMILIES, ink, VERDICTS
+from bearing_twin.view.style import FAMILIES, ink, verdict_state
 from bearing_twin.view.trends import element
 from bearing_twin.view.verdict import (
     facts,
@@ -105,7 +105,12 @@ def _section(count: int) -> str:
 
 
 def _heading(machine: Machine, name: str) -> list[str]:
-    return [f'<h2 id="{name}">Machine {escape(machine.name)}</h2>']
+    return [f'<h2 id="{name}">Machine {_breaking(machine.name)}</h2>']
+
+
+def _breaking(name: str) -> str:
+    """Return a name that breaks between its parts, where it has any."""
+    return re.sub('(?<=[_-])', '<wbr>', escape(name))
 
 
 def _machine(machine: Machine, prefix: str) -> list[str]:
@@ -136,9 +141,7 @@ def _overview(machines: Sequence[Machine]) -> list[str]:
             worst = machine.headline.worst.best
             title, known = title_of(worst), dict(facts(worst))
         cells = ''.join(f'<td>{escape(known.get(name, ""))}</td>' for name in OVERVIEW)
-        # A name breaks between its parts, where it has any.
-        name = re.sub('(?<=[_-])', '<wbr>', escape(machine.name))
-        link = f'<a href="#m{count}">{name}</a>'
+        link = f'<a href="#m{count}">{_breaking(machine.name)}</a>'
         rows.append(f'<tr><th>{link}</th><td{_colour(machine)}>{escape(title)}</td>{cells}</tr>')
     text = f'<div class="wide"><table>{"".join(rows)}</table></div>'
     parts = ['<section class="overview">', text, *_pictures(verdicts_over_time(machines))]
@@ -153,8 +156,8 @@ def _overview(machines: Sequence[Machine]) -> list[str]:
 def _colour(machine: Machine) -> str:
     """Return the HTML attributes that colour the verdict of a machine."""
     result = str(machine.headline.worst.best.result_name) if machine.diagnoses else ''
-    state = next((v for v in VERDICTS if v.key == result), VERDICTS[-1])
-    colours = f'background:{hex_colour(state.colour)};color:{ink(state.colour)}'
+    colour = verdict_state(result).colour
+    colours = f'background:{hex_colour(colour)};color:{ink(colour)}'
     return f' class="verdict" style="{colours}"'
 
 

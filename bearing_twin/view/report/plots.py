@@ -10,16 +10,20 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing.vocabulary import TITLES
 from bearing_twin.stamps import time_unit
 from bearing_twin.view.report.fitted import explained, fitted_figure
-from bearing_twin.view.report.spectra import CAPTION, draw_envelope_spectrum, draw_spectrum
+from bearing_twin.view.report.spectra import (
+    draw_envelope_spectrum,
+    draw_spectrum,
+    envelope_caption,
+)
 from bearing_twin.view.report.svg import (
     BINS,
     hex_colour,
     STYLE,
     svg_element,
-    VERDICT_COLOURS,
     WIDTH,
 )
 from bearing_twin.view.spectrum import ENVELOPE, low_high, SpectrumPicture
+from bearing_twin.view.style import ink, verdict_state
 from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, TWIN_STATE
 from bearing_twin.view.verdict import judged_by_velocity, pretty
 import matplotlib as mpl
@@ -42,6 +46,17 @@ DECIDING = ('significance', 'modulation', 'baseline')
 """Evidence panels in the main part, besides level or velocity; the appendix has the others."""
 CLOSE = 0.22
 """Height of a line of text relative to that of a panel."""
+SHAPES = {'o': '●', 's': '■', '^': '▲', 'D': '◆'}
+"""Markers of the lines of a panel in their order, and how a title writes them: in print, and for
+eyes that do not tell red from green, they stand for the colours."""
+LANE, LANES = 460.0, 330.0
+"""Least length of the time axis of one verdict lane and of those of several machines, points."""
+LETTER = 4.8
+"""Width of a letter in a lane, points."""
+LANES_IN_A_FIGURE = 40
+"""Largest number of machines in one figure: it fits a sheet."""
+LONGEST_NAME = 36
+"""Longest name of a machine beside a lane, letters."""
 
 
 def figures(machine: Machine, prefix: str) -> list[tuple[str, str]]:
@@ -120,26 +135,42 @@ def _history(machine: Machine) -> tuple[str, Figure] | None:
 def verdicts_over_time(machines: Sequence[Machine]) -> list[tuple[str, str]]:
     """Return caption and SVG of the verdicts of several machines, one above the other."""
     judged = [machine for machine in machines if machine.diagnoses]
-    if not judged:
-        return []
+    end = max((machine.end for machine in judged), default=0.0)
+    drawn = []
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 0.8 + 0.17 * len(judged)), layout='constrained')
-        axes = figure.subplots()
-        seen: dict[str, Rectangle] = {}
-        for row, machine in enumerate(judged):
-            seen |= _patches(axes, machine, row)
-        axes.set(ylim=(len(judged), 0), yticks=np.arange(len(judged)) + 0.5)
-        axes.set_yticklabels([machine.name for machine in judged])
-        end = max(machine.end for machine in judged)
-        _time_axis(axes, end, 'time since the start of the recording')
-        axes.autoscale_view(scaley=False)
-        axes.grid(axis='y', visible=False)
-        figure.legend(seen.values(), seen, ncols=4, loc='outside upper right')
-        return [('Verdicts over time', svg_element(figure, 'o-'))]
+        for first in range(0, len(judged), LANES_IN_A_FIGURE):
+            figure = _lanes(judged[first : first + LANES_IN_A_FIGURE], end)
+            drawn.append(('Verdicts over time', svg_element(figure, f'o{first}-')))
+    return drawn
 
 
-def _patches(axes: Axes, machine: Machine, row: int = 0) -> dict[str, Rectangle]:
-    """Draw the verdicts of a machine from ``row`` to ``row + 1``; return a patch of each kind."""
+def _lanes(machines: Sequence[Machine], end: float) -> Figure:
+    figure = Figure(figsize=(WIDTH, 0.8 + 0.17 * len(machines)), layout='constrained')
+    axes = figure.subplots()
+    seen: dict[str, Rectangle] = {}
+    for row, machine in enumerate(machines):
+        seen |= _patches(axes, machine, LETTER * end / LANES, row)
+    axes.set(ylim=(len(machines), 0), yticks=np.arange(len(machines)) + 0.5)
+    axes.set_yticklabels([_short(machine.name) for machine in machines])
+    _time_axis(axes, end, 'time since the start of the recording')
+    axes.autoscale_view(scaley=False)
+    axes.grid(axis='y', visible=False)
+    figure.legend(seen.values(), seen, ncols=4, loc='outside upper right')
+    return figure
+
+
+def _short(name: str) -> str:
+    """Return a name, of a long one its begin and its end."""
+    half = LONGEST_NAME // 2
+    return name if len(name) <= LONGEST_NAME else f'{name[: half - 6]}…{name[-half - 5 :]}'
+
+
+def _patches(axes: Axes, machine: Machine, letter: float, row: int = 0) -> dict[str, Rectangle]:
+    """
+    Draw the verdicts of a machine from ``row`` to ``row + 1``; return a patch of each kind.
+
+    A patch that is long enough has its name in it; ``letter`` is the width of a letter, s.
+    """
     times = _times(machine.diagnoses)
     # A verdict holds until the next, the last one until the recording ends.
     ends = np.append(times[1:], machine.end)
@@ -147,19 +178,23 @@ def _patches(axes: Axes, machine: Machine, row: int = 0) -> dict[str, Rectangle]
     changes = [k for k in range(len(names)) if k == 0 or names[k] != names[k - 1]]
     seen: dict[str, Rectangle] = {}
     for first, after in zip(changes, [*changes[1:], len(names)], strict=True):
-        colour = VERDICT_COLOURS.get(names[first], VERDICT_COLOURS['insufficient'])
-        begin = times[first]
+        ground = verdict_state(names[first]).colour
+        begin, length = times[first], ends[after - 1] - times[first]
         # A verdict at the very end is a line.
-        patch = Rectangle(
-            (begin, row + 0.1), ends[after - 1] - begin, 0.8, color=colour, linewidth=0.5
-        )
+        patch = Rectangle((begin, row + 0.1), length, 0.8, color=hex_colour(ground), linewidth=0.5)
         axes.add_patch(patch)
-        seen.setdefault(TITLES.get(names[first], names[first]), patch)
+        title = TITLES.get(names[first], names[first])
+        seen.setdefault(title, patch)
+        if length > (len(title) + 2) * letter:
+            axes.text(
+                begin + 0.5 * length, row + 0.5, title, ha='center', va='center_baseline',
+                color=ink(ground), fontsize='small',
+            )  # fmt: skip
     return seen
 
 
 def _lane(axes: Axes, machine: Machine) -> None:
-    seen = _patches(axes, machine)
+    seen = _patches(axes, machine, LETTER * machine.end / LANE)
     axes.set(ylim=(0.0, 1.0), yticks=[], title='verdict')
     axes.grid(visible=False)
     axes.autoscale_view(scaley=False)
@@ -262,7 +297,7 @@ def _envelope_spectrum(machine: Machine) -> tuple[str, Figure] | None:
         return None
     figure = Figure(figsize=(WIDTH, 3.1), layout='constrained')
     draw_envelope_spectrum(figure, picture)
-    return CAPTION, figure
+    return envelope_caption(picture), figure
 
 
 def _spectrum(machine: Machine) -> tuple[str, Figure] | None:
@@ -296,7 +331,7 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
             ratio = curve.values[-1] / curve.base
             # Slip changes a frequency by less than 1 %.
             digits = 2 if curve.key in ('amplitude', 'level') else 4
-            title.append(f'x {ratio:.{digits}f} at {curve.temperatures[-1]:.0f} °C')
+            title.append(f'× {ratio:.{digits}f} at {curve.temperatures[-1]:.0f} °C')
             axes.axhline(curve.base, color='#9e9e9e', linewidth=0.7, dashes=(4, 2))
         axes.set_title('\n'.join(title))
     references = {curve.reference for curve in curves}
@@ -304,9 +339,8 @@ def _over_temperature(machine: Machine) -> tuple[str, Figure] | None:
     if len(references) == 1:
         where = f'{references.pop():.0f} °C'
     caption = (
-        'Over temperature at the speed held longest, means of 5 K: largest magnitude of a '
-        'second, level, fault frequency found by the diagnosis and expected by the twin, its cage '
-        f'slip. Dashed: the value at {where}, to which the ratios refer'
+        'Over temperature at the speed held longest, means of 5 K (amplitude: of the largest '
+        f'magnitude of each second). Dashed: the value at {where}, to which the ratios refer'
     )
     return caption, figure
 
@@ -369,7 +403,8 @@ def _panels(
     named: dict[str, Any] = {}
     unit = str(getattr(items[-1][1], 'unit', ''))
     for axes, (panel, lines) in zip(grid, shown, strict=False):
-        besides = [trend.named for trend, _ in lines if trend in panel.other_trends]
+        shapes = dict(zip(panel.trends, SHAPES.values(), strict=False))
+        besides = [f'{t.named} {shapes[t]}' for t, _ in lines if t in panel.other_trends]
         # No-break spaces keep a name and its colour together when the title is wrapped.
         whole = (name.replace(' ', '\N{NO-BREAK SPACE}') for name in besides)
         title = ', '.join([panel.title, *whole]).replace('[unit]', f'[{pretty(unit)}]')
@@ -406,8 +441,13 @@ def _panel(
 ) -> None:
     """Draw the curves of a panel, its band and its limits."""
     for trend, values in lines:
-        colour = hex_colour(trend.colour)
-        axes.plot(time, values, color=colour, label=trend.label, linewidth=1.1)
+        colour, number = hex_colour(trend.colour), panel.trends.index(trend)
+        # Fractions of the diagonal: the markers of a line are beside those of the others.
+        axes.plot(
+            time, values, color=colour, label=trend.label, linewidth=1.1, ms=3.0,
+            marker=[*SHAPES][number] if len(lines) > 1 else None,
+            markevery=(0.05 + 0.07 * number, 0.35),
+        )  # fmt: skip
         # A line does not show a single value between missing ones: it becomes a point.
         there = np.pad(np.isfinite(values), 1)
         alone = there[1:-1] & ~there[:-2] & ~there[2:]

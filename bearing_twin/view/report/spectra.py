@@ -18,11 +18,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-CAPTION = (
-    f'Triangles: the {HARMONICS} harmonics found; ticks: the nominal ones, without slip; dots: '
-    'sidebands. Grey: noise floor, and dashed what one bin of noise in a thousand passes. Red: '
-    'limit of a fault, for the root of the sum of squares of its harmonics; dotted: of suspect'
-)
+def envelope_caption(picture: SpectrumPicture) -> str:
+    """Return what the marks and lines of an envelope spectrum are."""
+    found = any(comb.found for comb in picture.combs)
+    ticks = 'Ticks: nominal harmonics, without slip'
+    if found:
+        ticks = f'Triangles: the {HARMONICS} harmonics found; t{ticks[1:]}'
+    return (
+        f'{ticks}; dots: sidebands. Grey: noise floor, and dashed what one bin of noise in a '
+        'thousand passes. Red: limit of a fault, for the root of the sum of squares of its '
+        'harmonics; dotted: of suspect'
+    )
 
 
 def draw_envelope_spectrum(figure: Figure, picture: SpectrumPicture) -> None:

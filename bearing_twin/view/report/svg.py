@@ -9,7 +9,7 @@ import re
 from typing import Any, TYPE_CHECKING
 import warnings
 
-from bearing_twin.view.style import FAMILIES, VERDICTS
+from bearing_twin.view.style import FAMILIES
 import matplotlib as mpl
 
 if TYPE_CHECKING:
@@ -26,8 +26,6 @@ FAMILY_COLOURS = {family.key: hex_colour(family.colour) for family in FAMILIES} 
     'shaft': '#78909c'
 }
 """Colours of the viewer by family; in print the labels distinguish them too."""
-
-VERDICT_COLOURS = {state.key: hex_colour(state.colour) for state in VERDICTS}
 
 BINS = 2400
 """Largest number of points of a drawn spectrum; the highest of neighbouring bins is kept."""
