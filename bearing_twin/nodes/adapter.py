@@ -139,7 +139,7 @@ class AdapterNode(ManagedNode):
         self._restarts = 0
         self._untimed = 0
         self._unusable = 0
-        self._crowded = self._spoilt = math.nan
+        self._crowded = self._spoilt = self._empty = math.nan
         self._until = 0
         self._vibration = advertise(self, Vibration, 'vibration', STREAM)
         self.health = Health(self, p['hardware_id'] or self.get_namespace())
@@ -153,6 +153,7 @@ class AdapterNode(ManagedNode):
         self.get_logger().info(f'listening to {self._input.topic_name}')
 
     def _on_array(self, message: Any, info: MessageInfo) -> None:
+        former = self._intake.arrived
         if not self._accept(info):
             return
         p = self.parameters
@@ -168,6 +169,11 @@ class AdapterNode(ManagedNode):
             self._refuse(str(error))
             return
         count = samples.shape[1]
+        if not count:
+            # No sample has arrived. The message still has its number.
+            self._empty, self._intake.arrived = self._intake.arrived, former
+            self._sequence.missing(info.get('publisher_gid'), info['publication_sequence_number'])
+            return
         published = self._published(info)
         if not published:
             self._untimed += count
@@ -320,13 +326,16 @@ class AdapterNode(ManagedNode):
         """Return level and message of the input: those of the first problem, if any."""
         now, rate, intake = time.monotonic(), self._stamps.rate, self._intake
         age = now - intake.arrived
+        empty = ''
+        if now - self._empty <= SILENT_AFTER:
+            empty = ': the arrays received are empty, check sensor and driver'
         if math.isnan(age):
-            text = 'no samples yet'
+            text = f'no samples yet{empty}'
             if self.active:
                 text = with_mismatch_reasons(self, self._input, text, REMEDIES)
             return Level.STALE, text
         if age > intake.silent_after:
-            return Level.STALE, f'no samples for {age:.1f} s'
+            return Level.STALE, f'no samples for {age:.1f} s{empty}'
         if trouble := intake.trouble(now):
             return Level.ERROR, f'message refused: {trouble}'
         if intake.sources.contested(now):

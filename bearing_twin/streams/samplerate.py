@@ -89,7 +89,8 @@ class RateMeter:
         """Keep only the latest measurements if these agree on another rate than the median."""
         latest = list(self._rates)[-FEWEST:]
         agree = max(latest) <= (1.0 + WARNED) * min(latest)
-        if agree and abs(median(latest) / median(self._rates) - 1.0) > REFUSED:
+        usual = median(self._rates)
+        if agree and abs(median(latest) - usual) > REFUSED * usual:
             self._rates.clear()
             self._rates.extend(latest)
 

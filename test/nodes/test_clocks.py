@@ -253,6 +253,33 @@ def test_a_pause_of_the_driver_is_a_gap_and_slow_messages_are_none(here):
 
 
 @pytest.mark.ros
+def test_a_driver_without_samples_is_silent(here):
+    """Its empty arrays are told, and neither end the node nor count as lost samples."""
+    node = here(AdapterNode, sample_rate=1000.0, block_size=100)
+    node.trigger_configure()
+    noise = np.random.default_rng(0).standard_normal((100, 100)).astype(np.float32)
+    # One array each 0.1 s: with empty ones between, then empty ones only, then as at first.
+    for k in range(200):
+        empty = 50 <= k < 150 or k % 10 == 9
+        info = {
+            'source_timestamp': EPOCH + k * NANO // 10,
+            'publication_sequence_number': k + 1,
+        }
+        message = Float32MultiArray(data=[] if empty else noise[k % 50])
+        node._on_array(message, {'publisher_gid': 'a', **info})
+        if k == 149:
+            node._intake.arrived -= 3.0
+            status = node._input_status()
+    assert status.level is Level.STALE
+    assert 'no samples for 3.0 s: the arrays received are empty' in status.message
+    assert status.values['samples_lost'] == status.values['source_restarts'] == 0
+    status = node._input_status()
+    assert (status.level, status.message) == (Level.OK, 'samples are fresh')
+    assert (status.values['samples_lost'], status.values['source_restarts']) == (0, 1)
+    assert status.values['samples_published'] == 9000
+
+
+@pytest.mark.ros
 @pytest.mark.parametrize('later', [0.0, 0.055, math.inf])
 def test_messages_that_repeat_the_one_before_are_refused(later, here):
     node = here(AdapterNode, sample_rate=1000.0, block_size=100)
