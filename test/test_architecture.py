@@ -121,6 +121,7 @@ ROS = (
     'topics',
     'reserves',
     'health',
+    'parameterfile',
     'parameters',
     'lifecycle',
     'realtime',

@@ -58,7 +58,8 @@ def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
     ('domain', 'content', 'text'),
     [
         ('', b'a: &a [*a]\n', 'a.yaml'),
-        ('', bytes(range(128, 256)), 'a.yaml'),
+        ('', bytes(range(128, 256)), "a.yaml: 'utf-8' codec can't decode byte 0x80"),
+        ('', b'a:\n  b:\n\tc: 1\n', "a.yaml, line 3: found character '\\t' that cannot start"),
         ('', None, 'a.yaml'),
         ('abc', b'', 'ROS_DOMAIN_ID'),
     ],
@@ -72,6 +73,16 @@ def test_what_rclpy_cannot_begin_with_is_said_in_a_sentence(
     words = ['recorder', '--ros-args', '--params-file', path]
     ran = run_command('run', *words, ROS_DOMAIN_ID=domain or os.environ['ROS_DOMAIN_ID'])
     assert_ended(ran, 2, 'recorder: failed to initialize rcl', text)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('section', ['adapter', '/**/adaptor', 'fan_8: {adapter'])
+def test_a_parameter_file_that_misses_a_node_is_told(ros_domain, tmp_path, section):
+    path = tmp_path / 'a.yaml'
+    end = '}' * section.count('{')
+    path.write_text(f'{section}: {{ros__parameters: {{sample_rate: 1000.0}}}}{end}\n')
+    ran = run_command('run', 'adapter', '--ros-args', '-r', '__ns:=/fan_7', '--params-file', path)
+    assert_ended(ran, 2, 'sample_rate=0', f'{path} sets parameters of /', "write '/**/adapter'")
 
 
 @pytest.mark.ros

@@ -7,11 +7,13 @@ from __future__ import annotations
 from contextlib import contextmanager, suppress
 import os
 import socket
+import sys
 import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError, refused
 from bearing_twin.quantity import check_range
+from bearing_twin.ros.parameterfile import reason
 from bearing_twin.ros.processes.launching import ensure_log_folder
 import rclpy
 
@@ -55,7 +57,8 @@ def initialise(args: Sequence[str] | None) -> None:
         rclpy.init(args=list(args) if args is not None else None)
     except (RuntimeError, UnicodeError) as error:
         # RCLError is a RuntimeError.
-        raise BearingTwinError(str(error)) from None
+        why = reason(sys.argv if args is None else args)
+        raise BearingTwinError(f'{error}{why and f"; {why}"}') from None
 
 
 def inhabitants(domain: int, listen: float) -> list[str]:

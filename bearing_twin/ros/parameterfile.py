@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 bearing_twin contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Mistakes in parameter files about which rcl says nothing, or no reason. Imports no rclpy."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from difflib import get_close_matches
+from itertools import pairwise
+from pathlib import Path
+import re
+from typing import Any, TYPE_CHECKING
+
+import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+
+PARAMETERS = 'ros__parameters'
+WILDCARDS = {'*': r'/\w+', '**': r'(/\w+)*'}
+ALIKE = 0.7
+"""Least similarity of a name that is taken for a mistyped one."""
+
+
+def misaddressed(words: Sequence[str], node: str) -> list[str]:
+    """
+    Return a sentence on each parameter file whose sections miss a node by name or namespace.
+
+    rcl ignores such a section, and the node would run with its defaults.
+
+    Parameters
+    ----------
+    words
+        Arguments of the process.
+    node
+        Full name of the node.
+
+    """
+    sentences = []
+    for file in _files(words):
+        # rcl has read the file already, or says itself why it cannot.
+        with suppress(OSError, ValueError, yaml.YAMLError):
+            sections = list(_sections(yaml.safe_load(Path(file).read_text(encoding='utf-8'))))
+            if wrong := near_misses(sections, node):
+                sentences.append(
+                    f'{file} sets parameters of {" and ".join(wrong)}, but this node is {node} '
+                    f"and does not take them: write '/**/{node.rpartition('/')[2]}'"
+                )
+    return sentences
+
+
+def near_misses(sections: Sequence[str], node: str) -> list[str]:
+    """
+    Return the sections that seem to be meant for a node, if none of them is for it by name.
+
+    Examples
+    --------
+    >>> near_misses(['/diagnosis', '/adaptor', '/recorder'], '/fan_7/diagnosis')
+    ['/diagnosis']
+    >>> near_misses(['/adaptor', '/**'], '/adapter')
+    ['/adaptor']
+    >>> near_misses(['/**/diagnosis', '/pump/diagnosis'], '/fan_7/diagnosis')
+    []
+
+    """
+    names = {section: section.rpartition('/')[2] for section in sections}
+    named = [section for section, name in names.items() if name not in WILDCARDS]
+    if any(re.fullmatch(_pattern(section), node) for section in named):
+        return []
+    meant = get_close_matches(node.rpartition('/')[2], names.values(), cutoff=ALIKE)
+    return [section for section in named if names[section] in meant]
+
+
+def reason(words: Sequence[str]) -> str:
+    """Return why parameter files cannot be read, with the line; '' if all can."""
+    return '; '.join(filter(None, map(_unreadable, _files(words))))
+
+
+def _unreadable(file: str) -> str:
+    try:
+        yaml.safe_load(Path(file).read_text(encoding='utf-8'))
+    except OSError as error:
+        return f'{file}: {error.strerror}'
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else 0
+        return f'{file}, line {line}: {error.problem}'
+    except (ValueError, yaml.YAMLError) as error:
+        return f'{file}: {error}'
+    return ''
+
+
+def _files(words: Sequence[str]) -> list[str]:
+    return [file for option, file in pairwise(words) if option == '--params-file']
+
+
+def _sections(content: Any, path: str = '') -> Iterator[str]:
+    """Yield the name patterns in a parameter file, which may be nested by namespaces."""
+    if not isinstance(content, dict):
+        return
+    for key, value in content.items():
+        if key == PARAMETERS:
+            yield path
+        else:
+            yield from _sections(value, f'{path}/{str(key).strip("/")}')
+
+
+def _pattern(section: str) -> str:
+    """Return the regular expression of a section, as ``rcl_yaml_param_parser`` matches it."""
+    parts = section.strip('/').split('/')
+    return ''.join(WILDCARDS.get(part, f'/{re.escape(part)}') for part in parts)
