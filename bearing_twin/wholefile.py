@@ -1,20 +1,20 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write files atomically: a file is complete or absent; and find names that are free."""
+"""Write files atomically: a file is complete or absent; names that are free, and home folders."""
 
 from __future__ import annotations
 
 import contextlib
 import itertools
 import os
+from pathlib import Path
 import secrets
 from typing import BinaryIO, TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 
 @contextlib.contextmanager
@@ -112,6 +112,24 @@ def sync_folder(folder: Path) -> None:
             os.fsync(fd)
         finally:
             os.close(fd)
+
+
+def given_path(text: str) -> Path:
+    """
+    Return the path in a parameter, where '~' is the home folder.
+
+    A shell leaves it in ``output:=~/runs``, and so does a parameter file.
+
+    Examples
+    --------
+    >>> str(given_path('runs/first'))
+    'runs/first'
+
+    """
+    try:
+        return Path(text).expanduser()
+    except RuntimeError:
+        raise UsageError(f'{text}: there is no such home folder; give the whole path') from None
 
 
 def free_path(path: Path) -> Path:

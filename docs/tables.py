@@ -63,6 +63,8 @@ value that is given always holds against the preset, also where it equals the de
 numbers are accepted for `double` and `string`, at start (`bearing:=6307`) and by `ros2 param set`.
 A parameter name that the node does not have is refused; at start, where a file may be shared, a
 node logs a warning with the nearest names instead. A file of assets and an offline run refuse it.
+A node whose name or namespace a parameter file misses logs which section it should have. The paths
+of files and folders may begin with `~`.
 
 ROS 2 joins the sections `/**` of all parameter files and of `-p` to the first one. Where a file
 begins with `/**` and sets a parameter in a section `/**/twin` behind it, `-p` loses against it

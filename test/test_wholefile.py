@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.wholefile import output_file, whole_file
+from bearing_twin.wholefile import given_path, output_file, whole_file
 import pytest
 
 
@@ -50,3 +50,10 @@ def test_a_folder_is_no_file_to_write(name):
         output_file(Path(name)),
     ):
         pass
+
+
+def test_a_home_folder_is_found_and_an_unknown_one_is_named(tmp_path, monkeypatch):
+    monkeypatch.setenv('HOME', str(tmp_path))
+    assert given_path('~/a') == tmp_path / 'a'
+    with pytest.raises(BearingTwinError, match=r'~nobody_9/a: there is no such home folder'):
+        given_path('~nobody_9/a')

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
-from pathlib import Path
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from bearing_twin.assets.parameters import twin as twin_parameters
 from bearing_twin.dynamics.fleet.fleet import Fleet
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.mcapfile import refuse_special
+from bearing_twin.wholefile import given_path
 import yaml
 
 if TYPE_CHECKING:
@@ -97,8 +97,9 @@ class _EachOnce(yaml.SafeLoader):
 
 def _table(path: str) -> dict[Any, Any]:
     try:
-        refuse_special(Path(path))
-        content = yaml.load(Path(path).read_text(encoding='utf-8'), _EachOnce)
+        file = given_path(path)
+        refuse_special(file)
+        content = yaml.load(file.read_text(encoding='utf-8'), _EachOnce)
     except OSError as error:
         raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:

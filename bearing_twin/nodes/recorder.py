@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections import deque
 from datetime import datetime
-from pathlib import Path
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -25,7 +24,7 @@ from bearing_twin.ros.topics.raw import offered_qos_yaml, SUBSCRIPTION_DEPTH
 from bearing_twin.ros.topics.rawsubscriptions import RawSubscriptions, TopicChoice
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.arrival import ArrivalTimes, MessageNumbers, MOST_HEARD
-from bearing_twin.wholefile import free_path
+from bearing_twin.wholefile import free_path, given_path
 from rclpy.clock import Clock, ClockType
 
 if TYPE_CHECKING:
@@ -282,7 +281,7 @@ class RecorderNode(ManagedNode):
 
 def build_writer(values: Mapping[str, Any]) -> RecordingWriter:
     """Return the writer for the given parameters; this creates the recording."""
-    path = Path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
+    path = given_path(values['output'] or f'bearing_twin_{datetime.now():%Y%m%d-%H%M%S}')
     if not path.name:
         msg = f"output='{path}' has no name of its own: give a new folder, or a file .mcap"
         raise UsageError(msg)

@@ -8,7 +8,6 @@ import contextlib
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 import os
-from pathlib import Path
 import platform
 import time
 from typing import Any, TYPE_CHECKING
@@ -21,7 +20,7 @@ from bearing_twin.recording.mcap.schema import message_schema, store_from_text
 from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.topics import CHECKPOINT, DIAGNOSIS, LEVEL_FAULT
-from bearing_twin.wholefile import free_path
+from bearing_twin.wholefile import free_path, given_path
 import yaml
 
 if TYPE_CHECKING:
@@ -75,9 +74,10 @@ class RecordingWatch:
                 # Imported only when needed: the import takes a second.
                 from bearing_twin.view.rerun import logger as rerun
 
+                rrd = values['rerun_file']
                 self._rerun = rerun.RerunLogger(
                     recording_id=str(writer.path.absolute()),
-                    rrd=free_path(Path(values['rerun_file'])) if values['rerun_file'] else None,
+                    rrd=free_path(given_path(rrd)) if rrd else None,
                     serve=(values['rerun_address'], port) if port else None,
                     footer=False,
                 )

@@ -7,7 +7,6 @@ from __future__ import annotations
 from functools import partial
 from itertools import islice
 import math
-from pathlib import Path
 import threading
 import time
 from typing import Any, TYPE_CHECKING
@@ -21,6 +20,7 @@ from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import RESULT
 from bearing_twin.ros.topics.raw import message_class, replay_qos
+from bearing_twin.wholefile import given_path
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException
 from rclpy.expand_topic_name import expand_topic_name
@@ -103,7 +103,7 @@ class ReplayNode(ManagedNode):
             raise UsageError("parameter recording is empty; give it: '-p recording:=FILE'")
         topics = [topic for topic in p['topics'] if topic]
         return Player(
-            Path(p['recording']),
+            given_path(p['recording']),
             start_offset=p['start_offset'],
             duration=p['duration'] or math.inf,
             topics=topics or None,

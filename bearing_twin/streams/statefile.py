@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, TYPE_CHECKING, TypeVar
 from bearing_twin.disksync import DiskSync, SILENT
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
-from bearing_twin.wholefile import whole_file
+from bearing_twin.wholefile import given_path, whole_file
 import numpy as np
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class StateFolder:
 
         """
         if self._folder:
-            return Path(self._folder)
+            return given_path(self._folder)
         try:
             home = Path(os.environ.get('ROS_HOME', '') or Path.home() / '.ros')
         except RuntimeError:

@@ -372,7 +372,8 @@ def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path:
 def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
     ros_domain: int, tmp_path: Path
 ) -> None:
-    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+    environment = os.environ | {'HOME': str(tmp_path)}
+    with ForkedNodes(tmp_path / 'logs', environment) as nodes, Source() as source:
         nodes.start('recorder', {'output': str(tmp_path / 'first')})
         source.wait_for_recorder()
         source.publish_for(1.0)
@@ -380,7 +381,7 @@ def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
         nodes.end('recorder')
         source.statuses.clear()
         # A service that is started again, and a lifecycle manager that configures it once more.
-        nodes.start('recorder', {'output': str(tmp_path / 'first')}, name='again')
+        nodes.start('recorder', {'output': '~/first'}, name='again')
 
         def records():
             # The killed one seems to listen for a while: what is written tells of the new one.
