@@ -67,19 +67,21 @@ class RateMeter:
         Parameters
         ----------
         index
-            Running index. When index or stamp goes back, a new measurement begins.
+            Running index. When index or stamp goes back, or the stamp alone goes on, a new
+            measurement begins: a source may count the samples of each snapshot from 0.
         stamp
             Time of the sample, ns.
 
         """
-        if self._anchor is None or index < self._anchor[0] or stamp < self._anchor[1]:
+        former, begun = self._anchor or (index + 1, stamp)
+        if index < former or stamp < begun or (index == former and stamp > begun):
             self._rates.clear()
             self.rate = math.nan
-            self._anchor = self._first = (index, stamp)
+            former, begun = self._anchor = self._first = (index, stamp)
         self._latest = (index, stamp)
-        elapsed = stamp - self._anchor[1]
+        elapsed = stamp - begun
         if elapsed >= SPAN:
-            self._rates.append((index - self._anchor[0]) * NANO / elapsed)
+            self._rates.append((index - former) * NANO / elapsed)
             self._anchor = (index, stamp)
             if len(self._rates) >= FEWEST:
                 self._forget_former_rate()

@@ -172,6 +172,11 @@ def test_undated_samples_and_restarts_have_no_measured_rate():
     assert meter.problem(25600.0) is not None
     meter.take(0, 2 * 10**18)
     assert meter.problem(25600.0) is None
+    # Snapshots whose samples are all counted from 0.
+    for k in range(20):
+        meter.take(0, 3 * 10**18 + k * 10**10)
+        assert meter.problem(25600.0) is None
+        assert not meter.doubts(25600.0)
 
 
 def test_a_single_loss_among_the_first_samples_is_counted():
