@@ -16,6 +16,7 @@ from bearing_twin.assets.parameters.diagnosis import (
     build_settings,
     nominal_speed,
 )
+from bearing_twin.diagnosis.streaming import StreamingDiagnoser
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.stamps import samples_ns
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis.chain import Analysis, Excerpt
     from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
-    from bearing_twin.diagnosis.streaming import StreamingDiagnoser
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum
 
@@ -92,6 +92,22 @@ class DiagnosisCore:
     def bearing(self) -> Bearing:
         """Bearing in use."""
         return self.diagnoser.bearing
+
+    @property
+    def may_pause(self) -> bool:
+        """Whether blocks may be left out now, as between two snapshots of a series."""
+        return not (isinstance(self.diagnoser, StreamingDiagnoser) or self.diagnoser.in_snapshot)
+
+    def needs_checkpoint(self, block: VibrationBlock) -> bool:
+        """
+        Return whether a checkpoint is due before a block.
+
+        After a gap one tells which samples the diagnosis has not had. Between the snapshots of a
+        series, whose state is large, gaps of less than a second do not matter.
+        """
+        ahead = block.first_sample - self.diagnoser.next_sample
+        gap = ahead < 0 or ahead > (block.sample_rate if self.may_pause else 0.0)
+        return gap or self.checkpoints.is_due(block.first_sample)
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Apply changed parameters; a new window begins, the baseline stays."""
@@ -162,6 +178,9 @@ class DiagnosisCore:
             sensor=f'{block.frame_id} {self._axis}'.strip()
             + (' simulated' if block.simulated else ''),
         )
+        if excerpts and self.diagnoser.settings.series_cycle:
+            # The next block may come one cycle later.
+            self.checkpoints.ask()
         if self._rate_meter.doubts(block.sample_rate):
             return []
         return [DueVerdict(excerpt, block, self.diagnoser) for excerpt in excerpts]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 18
+_VERSION = 19
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
 """Largest relative rounding of the time between updates."""
@@ -193,7 +193,9 @@ class StreamingDiagnoser:
         self.other_source = ''
         """Why the last window is of another source than baseline and trend; '' if it is not."""
         self._trend, self._guest = Trend(), Trend()
-        self._note, self._restarts, self._waited = '', 0, 0.0
+        # The newest restart, its sample, and how many there were since the last update.
+        self._note, self._noted, self._restarts = '', 0, 0
+        self._waited = 0.0
         self._rate = math.nan
         self._named: tuple[str, str] | None = None
         self._clear(0)
@@ -311,6 +313,11 @@ class StreamingDiagnoser:
         return due_now
 
     @property
+    def next_sample(self) -> int:
+        """Index of the sample after the newest block."""
+        return self._next
+
+    @property
     def overdue(self) -> str:
         """Why no window is due although samples arrive; '' if none is overdue."""
         if self._waited <= PATIENCE * self._settings.update_interval:
@@ -380,6 +387,7 @@ class StreamingDiagnoser:
             'sample_rate': self._rate if math.isfinite(self._rate) else None,
             'start': self._start,
             'next': self._next,
+            'note': [self._note, self._noted, self._restarts],
             'earlier': [(end, orders.step, orders.given) for end, orders in earlier],
         }
         return pack(_VERSION, values, arrays)
@@ -415,6 +423,7 @@ class StreamingDiagnoser:
                 for n, (end, step, given) in enumerate(values['earlier'])
             )
             start, following = int(values['start']), int(values['next'])
+            note, noted, restarts = values['note']
             trend, guest = (restored(Trend, values[name]) for name in ('trend', 'guest'))
             if not (0.0 < rate < math.inf or math.isnan(rate)):
                 raise ValueError(f'sample rate {rate}')
@@ -429,6 +438,7 @@ class StreamingDiagnoser:
             # Windows start anew here; the saved ones began earlier.
             self._began = start
         self._judged, self._earlier = self._run, earlier
+        self._note, self._noted, self._restarts = str(note), int(noted), int(restarts)
         self._trend, self._guest = trend, guest
 
     def first_needed_sample(self, following: int) -> int:
@@ -455,9 +465,9 @@ class StreamingDiagnoser:
         return Cut.of(self._settings, self._rate)
 
     def _restart(self, first_sample: int, note: str) -> None:
-        self._note = note
         # Several settings changed one after another, before any sample, are one restart.
-        self._restarts += self._next > self._start or not self._restarts
+        self._restarts += self._next != self._noted or not self._restarts
+        self._note, self._noted = note, first_sample
         self._clear(first_sample)
 
     def _clear(self, first_sample: int) -> None:

@@ -76,6 +76,8 @@ class DiagnosisTopics:
         # One snapshot of a series may be left out.
         self._intake = Intake(pause=2.0 * p['series_cycle'])
         self._latest: DiagnosisResult | None = None
+        # Whether there was a verdict since baseline and trend were saved.
+        self._learnt = False
         self._verdict = advertise(node, Diagnosis, f'{prefix}diagnosis', RESULT)
         self._spectrum = advertise(node, Spectrum, f'{prefix}spectrum', RESULT)
         self._envelope = advertise(node, Spectrum, f'{prefix}envelope_spectrum', RESULT)
@@ -125,7 +127,7 @@ class DiagnosisTopics:
         """Restart window, baseline and trend; return the answer of the service, to await."""
         self._due.clear()
         self._core = DiagnosisCore(self.parameters.values, self._path)
-        self._latest = None
+        self._latest, self._learnt = None, False
         self._state.give_up()
         self._load_state()
         self._keep()
@@ -167,9 +169,8 @@ class DiagnosisTopics:
         intake.use(block.length)
         cycle = self.parameters['series_cycle'] * block.sample_rate
         pause = _PAUSE * cycle if cycle else math.inf
-        if intake.gaps.count(block.first_sample, block.samples.size, pause=pause):
-            self._core.checkpoints.ask()
-        if self._core.checkpoints.is_due(block.first_sample):
+        intake.gaps.count(block.first_sample, block.samples.size, pause=pause)
+        if self._core.needs_checkpoint(block):
             # A saved state is complete only if no verdict waits.
             self.judge()
             self._load_state()
@@ -194,7 +195,6 @@ class DiagnosisTopics:
             self._publish_verdict(due.judge(due.excerpt.analyse()))
             if self.parameters['series_cycle']:
                 # Save now: the next block may come one cycle later.
-                self._core.checkpoints.ask()
                 self._keep()
 
     def _publish_verdict(self, verdict: Verdict) -> None:
@@ -204,7 +204,7 @@ class DiagnosisTopics:
                 f'{self._prefix.rstrip("/")}{": " if self._prefix else ""}'
                 f'{result.result} (confidence {result.confidence:.2f}, {result.fault_code})'
             )
-        self._latest = result
+        self._latest, self._learnt = result, True
         self._verdict.publish(verdict.diagnosis)
         if self._features:
             for name, message in features_messages(verdict.diagnosis).items():
@@ -217,9 +217,9 @@ class DiagnosisTopics:
             self._node.get_logger().info(f'baseline and trend loaded from {self._state.path}')
 
     def keep_state(self) -> None:
-        """Save baseline and trend, if the parameters ask for it."""
-        # Before the first verdict it is unknown to which bearing the windows belong.
-        if self._latest is not None:
+        """Save baseline and trend, if the parameters ask for it and verdicts have changed them."""
+        if self._learnt:
+            self._learnt = False
             self._keep()
 
     def _keep(self) -> None:

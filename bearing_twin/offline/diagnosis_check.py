@@ -50,16 +50,12 @@ class DiagnosisCheck:
         self._checkpoints: deque[Any] = deque()
         self._verdicts: deque[tuple[RecordedMessage, Any]] = deque()
         self._past: deque[Any] = deque()
-        # The last block, and the one before the gap with which the past blocks begin.
-        self._latest: Any = None
-        self._before_gap: Any = None
-        self._next_sample = 0
-        # Whether the next verdict counts gaps. The re-run knows only the last of them.
-        self._counts_gaps = False
         # Where the re-run began, and whether with the blocks before it.
-        self._begun = (0, False)
+        self._begun = (0, 0, False)
         # Windows of verdicts of the re-run without a recorded verdict to compare with.
         self._unanswered: list[tuple[int, int]] = []
+        # Those that the diagnosis made, as a later checkpoint tells.
+        self._lost: list[tuple[int, int]] = []
         # Whether unrecorded inputs may matter: temperature of a missing verdict, joint speeds.
         self._uncertain = False
 
@@ -83,13 +79,20 @@ class DiagnosisCheck:
 
     def finish(self) -> None:
         """Process the waiting blocks; the recording may end before the last verdicts."""
-        if self._unanswered:
-            self._agreement.missing += len(self._unanswered)
-            self._unanswered.clear()
+        due = self._unanswered[:]
         while self._blocks:
             self._push(self._blocks.popleft())
         if self._verdicts:
             self._agreement.skipped += len(self._verdicts)
+        unmade = [window for window in due if window in self._unanswered]
+        missing = sum(window in self._lost for window in unmade)
+        if missing:
+            self._agreement.missing += missing
+        if len(unmade) > missing:
+            self._note(
+                f'no verdict on the samples from {unmade[missing][0]} on is in the recording: the '
+                'diagnosis ended before, or its verdicts are lost'
+            )
 
     def _push(self, message: RecordedMessage) -> None:
         block = message.decode()
@@ -99,43 +102,62 @@ class DiagnosisCheck:
             # The node refuses such a block as well.
             self._note(f'a block is refused: {error}')
             return
-        while self._checkpoints and _before(self._checkpoints[0], block):
-            # A late-joining subscriber receives a checkpoint from before the recording.
-            self._checkpoints.popleft()
         first = int(block.first_sample)
-        if self._checkpoints and int(self._checkpoints[0].first_sample) == first:
-            self._resume(self._checkpoints.popleft())
-        elif self._run is not None and first != self._next_sample and not self._run.may_pause:
-            self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
-            self._run = None
-        latest, self._latest = self._latest, block
-        ended = self._next_sample
-        self._next_sample = _block_end(block)
+        if (checkpoint := self._checkpoint_before(block)) is not None:
+            self._resume(checkpoint)
         if self._run is None:
-            self._keep(block, latest)
+            self._keep(block)
             return
-        # A snapshot that a pause cuts short is judged with the block after the pause.
-        waits = first > ended and not self._run.may_pause
-        self._drop_unmade(ended - 1 if waits else first)
-        temperature, speed = math.nan, math.nan
-        if self._verdicts:
-            temperature = float(self._verdicts[0][1].temperature)
-            speed = self._speed(self._run)
-            self._uncertain |= bool(self._run.values['joint']) and math.isnan(block.shaft_hz)
+        run, ended = self._run, self._run.diagnoser.next_sample
         try:
-            taken = read_vibration(block, self._run.values['axis'])
-            dues = self._run.take(taken, temperature=temperature, joint_hz=speed)
+            taken = read_vibration(block, run.values['axis'])
+            run.admit(taken)
         except BearingTwinError as error:
             self._note(f'a block is refused: {error}')
             return
-        for due in dues:
+        if checkpoint is None and first != ended and not run.may_pause:
+            self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
+            self._run = None
+            self._keep(block)
+            return
+        if first < ended:
+            # By their index alone, all verdicts may now be earlier.
+            self._begun = (0, self._begun[1], False)
+        # A snapshot that a pause cuts short is judged with the block after the pause.
+        waits = first > ended and not run.may_pause
+        self._drop_unmade(ended - 1 if waits else first, message.publish_time)
+        temperature, speed = math.nan, math.nan
+        if self._verdicts:
+            temperature = float(self._verdicts[0][1].temperature)
+            speed = self._speed(run)
+            self._uncertain |= bool(run.values['joint']) and math.isnan(block.shaft_hz)
+        for due in run.take(taken, temperature=temperature, joint_hz=speed):
             # The first output is the Diagnosis; features and spectra are not compared.
-            self._pair(next(self._run.outputs(due.judge(due.excerpt.analyse()))))
+            self._pair(next(run.outputs(due.judge(due.excerpt.analyse()))))
 
-    def _drop_unmade(self, sample: int) -> None:
-        """Count recorded verdicts on windows that ended by ``sample`` and were not made again."""
-        while self._verdicts and _end(self._verdicts[0][1]) <= sample:
-            verdict = self._verdicts.popleft()[1]
+    def _checkpoint_before(self, block: Any) -> Any:
+        """Return the checkpoint before a block, if there is one, and drop those before it."""
+        for number, checkpoint in enumerate(self._checkpoints):
+            if _place(checkpoint) == _place(block):
+                for _ in range(number):
+                    self._checkpoints.popleft()
+                return self._checkpoints.popleft()
+        while self._checkpoints and _before(self._checkpoints[0], block):
+            # A late-joining subscriber receives a checkpoint from before the recording.
+            self._checkpoints.popleft()
+        return None
+
+    def _drop_unmade(self, sample: int, time: int) -> None:
+        """
+        Count recorded verdicts on windows that ended by ``sample`` and were not made again.
+
+        Those sent after ``time`` (ns) may be on samples of a source that is restarted soon.
+        """
+        while self._verdicts:
+            message, verdict = self._verdicts[0]
+            if _end(verdict) > sample or message.publish_time > time:
+                break
+            self._verdicts.popleft()
             window = _window(verdict)
             if window in self._unanswered:
                 # It was published after the horizon, so its inputs were not known in time.
@@ -157,10 +179,9 @@ class DiagnosisCheck:
         self._agreement.missing += len(self._unanswered)
         self._unanswered.clear()
         message, _ = self._verdicts.popleft()
-        counts_gaps, self._counts_gaps = self._counts_gaps, False
-        if (self._uncertain or counts_gaps) and without_padding(message) != output.cdr:
+        if self._uncertain and without_padding(message) != output.cdr:
             self._agreement.skipped += 1
-            if self._uncertain and self._run is not None and self._run.values['joint']:
+            if self._run is not None and self._run.values['joint']:
                 self._note('the speeds of the joint are not all known: a verdict is not compared')
             return
         self._agreement.compare(message, output.cdr, f'{self._topic} at sample {window[0]}')
@@ -177,38 +198,53 @@ class DiagnosisCheck:
         if self._run is not None and self._run.values != values:
             self._run.reconfigure(values)
             self._note(f'parameters were changed {at}')
-        if self._run is not None and self._run.diagnoser.save() == state:
-            self._uncertain = False
-            return
-        if (
-            self._run is not None
-            and self._uncertain
-            and self._next_sample == int(checkpoint.first_sample)
-        ):
-            self._run.diagnoser.load(state)
-            self._uncertain = False
+        if self._run is not None:
+            self._go_on(self._run, checkpoint)
             return
         sample = int(checkpoint.first_sample)
-        window: list[Any] = []
-        if self._run is not None:
-            self._note(f'the diagnosis was restarted {at}')
-        else:
-            found = self._window_before(sample, DiagnosisRun(values, state))
-            if found is None:
-                return
-            window = found
+        window = self._window_before(sample, DiagnosisRun(values, state))
+        if window is None:
+            return
         self._run = self._opened(values, state, window)
+        self._forget_unmade(self._run.diagnoser.next_sample, sample)
         self._past.clear()
         self._uncertain = False
-        self._begun = (sample, bool(window))
+        self._begun = (*_place(checkpoint), bool(window))
         while self._verdicts and self._is_earlier(self._verdicts[0][1]):
             self._agreement.skipped += 1
             self._verdicts.popleft()
 
+    def _go_on(self, run: DiagnosisRun, checkpoint: Any) -> None:
+        """Go on from a recorded state, if the re-run has another one."""
+        uncertain, self._uncertain = self._uncertain, False
+        if run.diagnoser.save() == bytes(checkpoint.state):
+            self._lost = self._unanswered[:]
+            return
+        run.diagnoser.load(bytes(checkpoint.state))
+        sample, ended = int(checkpoint.first_sample), run.diagnoser.next_sample
+        self._begun = (*_place(checkpoint), run.first_needed_sample(sample) < sample)
+        if not 0 < ended <= sample:
+            self._note(f'the diagnosis was restarted at sample {sample}')
+            self._run = DiagnosisRun(run.values, bytes(checkpoint.state))
+        elif ended < sample:
+            self._note(f'the diagnosis has not received the samples {ended} to {sample}')
+        elif not uncertain:
+            self._note(f'the diagnosis went on from another state at sample {sample}')
+        self._forget_unmade(ended, sample)
+
+    def _forget_unmade(self, ended: int, sample: int) -> None:
+        """Forget verdicts on samples that the diagnosis, which goes on at a sample, had not."""
+        self._unanswered = [w for w in self._unanswered if sum(w) <= ended <= sample]
+        self._lost = self._unanswered[:]
+
     def _is_earlier(self, verdict: Any) -> bool:
         """Return whether a verdict is on a window from before the re-run began."""
-        sample, with_window = self._begun
-        return (_end(verdict) if with_window else int(verdict.first_sample) + 1) <= sample
+        sample, time, with_window = self._begun
+        if with_window:
+            return _end(verdict) <= sample
+        # By time too, as the index of a source that is restarted begins anew.
+        first, stamp = _place(verdict)
+        return first < sample or stamp < time
 
     def _opened(self, values: dict[str, Any], state: bytes, window: list[Any]) -> DiagnosisRun:
         """Return a diagnosis in a recorded state, with the blocks before it in its window."""
@@ -216,15 +252,12 @@ class DiagnosisCheck:
             return DiagnosisRun(values, state)
         run = DiagnosisRun(values)
         speed = self._speed(run)
-        # The first verdict after a gap tells of it.
-        gap = [self._before_gap] if window[0] is self._past[0] and self._before_gap else []
-        self._counts_gaps = bool(gap)
-        for block in (*gap, *window):
+        for block in window:
             with contextlib.suppress(BearingTwinError):
                 # The node refuses such a block as well.
-                run.take(
-                    read_vibration(block, values['axis']), temperature=math.nan, joint_hz=speed
-                )
+                taken = read_vibration(block, values['axis'])
+                run.admit(taken)
+                run.take(taken, temperature=math.nan, joint_hz=speed)
         run.diagnoser.load(state)
         return run
 
@@ -235,15 +268,13 @@ class DiagnosisCheck:
         given = float(self._verdicts[0][1].shaft_hz_given)
         return math.nan if given == nominal_speed(run.values) else given
 
-    def _keep(self, block: Any, latest: Any) -> None:
+    def _keep(self, block: Any) -> None:
         """Keep a block before the first usable checkpoint: windows reach back to it."""
-        if not self._past or int(block.first_sample) != _block_end(latest):
+        if self._past and int(block.first_sample) != _block_end(self._past[-1]):
             self._past.clear()
-            self._before_gap = latest
         self._past.append(block)
         while _block_end(block) - _block_end(self._past[0]) > _REACH * block.sample_rate:
             self._past.popleft()
-            self._before_gap = None
 
     def _window_before(self, sample: int, run: DiagnosisRun) -> list[Any] | None:
         """Return the blocks before a checkpoint that the next verdict needs; None if not all."""
@@ -269,8 +300,11 @@ def _block_end(block: Any) -> int:
     return int(block.first_sample) + max(len(block.x), len(block.y))
 
 
+def _place(message: Any) -> tuple[int, int]:
+    """Return sample index and time (ns) of a block, or of the checkpoint before it."""
+    return int(message.first_sample), stamp_ns(message.header.stamp)
+
+
 def _before(checkpoint: Any, block: Any) -> bool:
     """Return whether a checkpoint is earlier by sample index and by time; new twins begin at 0."""
-    return int(checkpoint.first_sample) < int(block.first_sample) and stamp_ns(
-        checkpoint.header.stamp
-    ) < stamp_ns(block.header.stamp)
+    return all(a < b for a, b in zip(_place(checkpoint), _place(block), strict=True))

@@ -19,7 +19,7 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from bearing_twin.assets.diagnosis import DueVerdict, Verdict
+    from bearing_twin.assets.diagnosis import Verdict
     from bearing_twin.offline.output import Output
     from bearing_twin.streams.vibration_input import VibrationBlock
 
@@ -46,11 +46,6 @@ class DiagnosisRun(DiagnosisCore):
             return self.diagnoser.first_needed_sample(sample)
         return sample
 
-    @property
-    def may_pause(self) -> bool:
-        """Whether blocks may be left out now, as between two snapshots of a series."""
-        return not (isinstance(self.diagnoser, StreamingDiagnoser) or self.diagnoser.in_snapshot)
-
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Change parameters as the running node does; a new window begins."""
         self.values = dict(values)
@@ -70,20 +65,8 @@ class DiagnosisRun(DiagnosisCore):
         A program may have made the file, with blocks that repeat the one before: none is refused.
         """
         block = read_vibration(message, self.values['axis'])
-        for due in super().take(block, temperature=temperature, joint_hz=joint_hz):
+        for due in self.take(block, temperature=temperature, joint_hz=joint_hz):
             yield from self.outputs(due.judge(due.excerpt.analyse()))
-
-    def take(
-        self, block: VibrationBlock, *, temperature: float, joint_hz: float = math.nan
-    ) -> list[DueVerdict]:
-        """
-        Check and process one block of the axis in the parameters, as `DiagnosisCore` does.
-
-        ``temperature`` is in degC, ``joint_hz`` is the shaft speed from a joint in Hz; NaN if
-        unknown.
-        """
-        self.admit(block)
-        return super().take(block, temperature=temperature, joint_hz=joint_hz)
 
     def outputs(self, verdict: Verdict) -> Iterator[Output]:
         """Yield the messages that the node publishes for a verdict."""

@@ -338,11 +338,12 @@ class _DiagnosisSide:
         self._waiting.extend((made, block.now) for made in self._outputs(block))
         made, due, values = block.made, block.due, self._twin
         vibration = vibration_block(made, due, values, self._axis)
-        if self._run.checkpoints.is_due(vibration.first_sample):
+        self._run.admit(vibration)
+        if self._run.needs_checkpoint(vibration):
             # The checkpoint needs the state after all earlier verdicts.
             self.settle(0)
             self._write(self._run.checkpoint_output(vibration), block.now)
-        for verdict in self._run.take(vibration, temperature=block.temperature):
+        for verdict in self._run.take(vibration, temperature=block.temperature, joint_hz=math.nan):
             self._analyses += 1
             analysis = self._pool.submit(verdict.excerpt.analyse)
             self._waiting.append((_Analysed(verdict, analysis), block.now))

@@ -111,19 +111,17 @@ class GapCounter:
         """Number of restarts of the source, seen as an index that goes back."""
         self._next: int | None = None
 
-    def count(self, first_sample: int, samples: int, *, pause: float = math.inf) -> bool:
+    def count(self, first_sample: int, samples: int, *, pause: float = math.inf) -> None:
         """
-        Count one block; return whether the source has been restarted.
+        Count one block.
 
         A gap of ``pause`` samples or more is meant, as between snapshots: nothing of it is lost.
         """
-        restarted = self._next is not None and first_sample < self._next
         if self._next is not None:
             gap = max(0, first_sample - self._next)
             self.lost += gap if gap < pause else 0
-            self.restarts += restarted
+            self.restarts += first_sample < self._next
         self._next = first_sample + samples
-        return restarted
 
 
 class SourceLock:

@@ -183,6 +183,12 @@ def dated(seconds, rate, **fields):
         yield read_vibration(sent, 'y')
 
 
+def received(run, block):
+    """Return the verdicts that are due when a node receives a block."""
+    run.admit(block)
+    return run.take(block, temperature=math.nan, joint_hz=math.nan)
+
+
 @pytest.mark.ros
 def test_a_block_that_repeats_the_one_before_gives_no_verdict():
     from bearing_twin.assets.parameters.diagnosis import SPECS
@@ -192,12 +198,12 @@ def test_a_block_that_repeats_the_one_before_gives_no_verdict():
     once, twice = DiagnosisRun(values), DiagnosisRun(values)
     hung = 0
     for block in dated(12.0, 25600.0):
-        dues = once.take(block, temperature=math.nan)
-        assert len(twice.take(block, temperature=math.nan)) == len(dues)
+        dues = received(once, block)
+        assert len(received(twice, block)) == len(dues)
         # The same block again, and its samples as those of the time behind it.
         for again in (block, replace(block, first_sample=block.first_sample + 1000)):
             with pytest.raises(BearingTwinError, match='sends each block twice, or hangs'):
-                twice.take(again, temperature=math.nan)
+                received(twice, again)
             hung += 1
     assert hung > 500
     assert twice.diagnoser.save() == once.diagnoser.save()
@@ -217,17 +223,15 @@ def test_no_verdict_comes_of_samples_whose_rate_is_declared_wrong(rate):
     run = DiagnosisRun({spec.name: spec.default for spec in SPECS})
     blocks = dated(12.0, rate)
     # Before the rate is measured nothing is refused.
-    verdicts = sum(
-        len(run.take(block, temperature=math.nan)) for block in islice(blocks, int(rate * 0.0029))
-    )
+    verdicts = sum(len(received(run, block)) for block in islice(blocks, int(rate * 0.0029)))
     assert verdicts == (2 if rate == 25600.0 else 0)
     if rate == 25600.0:
-        assert sum(len(run.take(block, temperature=math.nan)) for block in blocks) == 9
+        assert sum(len(received(run, block)) for block in blocks) == 9
         return
     list(islice(blocks, 200))
     for block in blocks:
         with pytest.raises(BearingTwinError, match=f'set sample_rate to {rate:.0f}'):
-            run.take(block, temperature=math.nan)
+            received(run, block)
 
 
 @pytest.mark.ros
@@ -240,7 +244,7 @@ def test_simulated_vibration_is_not_learnt_by_the_machine_of_the_same_frame():
         due.judge(due.excerpt.analyse()).result.reasons
         for source in (SOURCE_MEASURED, SOURCE_SIMULATED)
         for block in dated(12.0, 25600.0, source=source)
-        for due in run.take(block, temperature=math.nan)
+        for due in received(run, block)
     ]
     refused = [any(r.startswith('baseline and trend are of') for r in rs) for rs in said]
     assert refused[0] is False and refused[-1] is True, said[-1]
@@ -459,8 +463,8 @@ def test_a_gap_that_is_a_pause_is_not_lost():
     """The pauses between the snapshots of a series are meant, and a gap within one is not."""
     gaps = GapCounter()
     for first in (0, 1000, 1500, 90_000):
-        assert not gaps.count(first, 400, pause=50_000)
+        gaps.count(first, 400, pause=50_000)
     assert (gaps.lost, gaps.restarts) == (600 + 100, 0)
-    assert gaps.count(0, 400, pause=50_000)
-    assert not gaps.count(90_000, 400)
+    gaps.count(0, 400, pause=50_000)
+    gaps.count(90_000, 400)
     assert (gaps.lost, gaps.restarts) == (700 + 89_600, 1)

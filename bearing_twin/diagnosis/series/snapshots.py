@@ -142,6 +142,11 @@ class SeriesDiagnoser:
         return found
 
     @property
+    def next_sample(self) -> int:
+        """Index of the sample after the newest block."""
+        return self._next
+
+    @property
     def overdue(self) -> str:
         """Why no snapshot can be judged although samples arrive; '' if one can."""
         elapsed = self._ended - self._whole
