@@ -87,6 +87,7 @@ class DiagnosisCore:
         """How declared sample rate and stamps contradict each other; '' if they do not."""
         self._rate_meter = RateMeter()
         self._repeat = RepeatCheck()
+        self._former: VibrationBlock | None = None
 
     @property
     def bearing(self) -> Bearing:
@@ -181,6 +182,12 @@ class DiagnosisCore:
         if excerpts and self.diagnoser.settings.series_cycle:
             # The next block may come one cycle later.
             self.checkpoints.ask()
+        former, self._former = self._former or block, block
         if self._rate_meter.doubts(block.sample_rate):
             return []
-        return [DueVerdict(excerpt, block, self.diagnoser) for excerpt in excerpts]
+        # A snapshot that a pause or a restart of the source cuts short ended with the one before.
+        ends = [each.end - block.first_sample for each in excerpts]
+        return [
+            DueVerdict(excerpt, block if 0 < end <= block.samples.size else former, self.diagnoser)
+            for excerpt, end in zip(excerpts, ends, strict=True)
+        ]

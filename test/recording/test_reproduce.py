@@ -32,7 +32,7 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.topics.qos import RESULT, STREAM
-from bearing_twin.stamps import samples_ns
+from bearing_twin.stamps import samples_ns, stamp_ns
 from bearing_twin.streams.vibration_input import read_vibration
 from bearing_twin_msgs.msg import Diagnosis, Vibration
 from copies import put
@@ -308,7 +308,7 @@ def test_blocks_that_the_diagnosis_did_not_receive_make_no_sound_recording_diffe
 
 
 def test_a_source_that_is_restarted_makes_no_sound_recording_differ(tmp_path: Path) -> None:
-    """Its last snapshot is cut short."""
+    """Its last snapshot is cut short, and has the time of its own samples."""
     simulator = Simulator(preset('incipient', defect='inner'))
     run = DiagnosisRun(read_values(SPECS, {'shaft_hz': 25.3, **SNAPSHOTS}))
     numbers = dict.fromkeys(range(600), math.nan)
@@ -318,6 +318,7 @@ def test_a_source_that_is_restarted_makes_no_sound_recording_differ(tmp_path: Pa
     verdicts = [m.decode() for m in read_messages(tmp_path / 'run', topics=['/diagnosis'])]
     (cut,) = [v for v in verdicts if v.sample_count < 25 * 1024]
     assert (cut.first_sample, cut.sample_count) == (188 * 1024, 13 * 1024)
+    assert stamp_ns(cut.header.stamp) == 188 * samples_ns(1024, 25600.0)
 
 
 def test_parameters_that_change_to_and_fro_make_no_sound_recording_differ(tmp_path: Path) -> None:
