@@ -333,5 +333,8 @@ def verdict_status(
     if overdue:
         text = f'{overdue}; the last verdict was {result.result}'
         return Status(Level.STALE, text, values, kind='overdue')
+    text = result.result
+    if result.window is not None and result.window[1] == 'none':
+        text = f'{text}, held as the window tells nothing: {result.reasons[0]}'
     # A changed verdict is logged when it is published; only a changed level is logged as status.
-    return Status(LEVELS[result.level], result.result, values, kind='verdict')
+    return Status(LEVELS[result.level], text, values, kind='verdict')

@@ -12,7 +12,7 @@ from bearing_twin.assets.twin_messages import TwinBytes
 from bearing_twin.ros.health import Level, Status
 from bearing_twin.ros.topics.qos import advertise, CHECKPOINT, MEASUREMENT, stream
 from bearing_twin.ros.topics.subscribing import subscribe, unheard
-from bearing_twin.thermal.gate import PHYSICAL_LOW, TemperatureStatus
+from bearing_twin.thermal.gate import TemperatureStatus
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin_msgs.msg import Checkpoint, TwinState, Vibration
 from rclpy.serialization import serialize_message
@@ -37,7 +37,8 @@ TEXTS = {
     TemperatureStatus.STALE: 'temperature is stale: the last valid one is held',
     TemperatureStatus.INVALID: 'temperature is NaN or impossible: the last valid one is held',
     TemperatureStatus.CLAMPED: (
-        f'temperature is outside {TABLE_LOW:g}..{TABLE_HIGH:g} degC: the nearest end is used'
+        'temperature {:.5g} degC is outside '
+        f'{TABLE_LOW:g}..{TABLE_HIGH:g} degC: the nearest end is used'
     ),
     TemperatureStatus.BACKWARDS: 'stamps do not rise: the last valid temperature is held',
 }
@@ -137,11 +138,9 @@ def validity_status(condition: Condition | None) -> Status:
 def temperature_status(temperature: GatedTemperature, *problems: str) -> Status:
     """Return the status of the temperature and of ``problems``; empty strings are ignored."""
     ok = temperature.status is TemperatureStatus.OK and not any(problems)
-    message = TEXTS[temperature.status]
+    message = TEXTS[temperature.status].format(temperature.measured)
     if temperature.status is TemperatureStatus.INVALID and math.isnan(temperature.age):
         message = 'temperature is NaN or impossible: the start temperature is used'
-    if TABLE_LOW <= temperature.measured + PHYSICAL_LOW <= TABLE_HIGH:
-        message += '; it looks like kelvin: publish degC, as sensor_msgs/Temperature has it'
     message = '; '.join([message, *filter(None, problems)])
     return Status(
         Level.OK if ok else Level.WARN,

@@ -7,10 +7,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from bearing_twin.errors import shown
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
+MOST_NAMED = 5
+"""Most joints that are named in place of the one that is missing."""
 FASTEST_SHAFT = 1000.0
 """Highest shaft speed that is accepted, Hz."""
 
@@ -59,10 +63,14 @@ class ShaftSpeed:
         self.nominal = self._measured = nominal
         self._arrived = -math.inf
         self._problem = ''
+        self._others: list[str] = []
 
     def offer(self, names: Sequence[str], velocities: Sequence[float], *, now: float) -> None:
         """Take one JointState: joint names, velocities in rad/s; ``now`` in s."""
-        if not self.joint or self.joint not in names:
+        if not self.joint:
+            return
+        if self.joint not in names:
+            self._others = [shown(name)[:40] for name in names[:MOST_NAMED]]
             return
         index = list(names).index(self.joint)
         if index >= len(velocities):
@@ -87,11 +95,12 @@ class ShaftSpeed:
         if not self.joint or self._problem:
             return self._problem
         age = self._age(now)
+        others = f'; joint_states has {", ".join(self._others)}' if self._others else ''
         if math.isinf(age):
-            return f"no velocity of joint '{self.joint}' yet: the nominal speed is used"
+            return f"no velocity of joint '{self.joint}' yet: the nominal speed is used{others}"
         if age > self.timeout:
             use = 'held' if self.hold else 'too old to be used'
-            return f'no velocity for {age:.1f} s: the last one is {use}'
+            return f'no velocity for {age:.1f} s: the last one is {use}{others}'
         return ''
 
     def _age(self, now: float) -> float:

@@ -12,8 +12,8 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO, stamp_ns
 from bearing_twin.streams.shaft import FASTEST_SHAFT, ShaftSpeed
-from bearing_twin.thermal.gate import TemperatureGate, TemperatureStatus
-from bearing_twin.thermal.gcr15 import TABLE_LOW
+from bearing_twin.thermal.gate import PHYSICAL_LOW, TemperatureGate, TemperatureStatus
+from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ LOWEST_RATE = 100.0
 HIGHEST_RATE = 1_000_000.0
 LONGEST_BLOCK = 1_000_000
 HIGHEST_INDEX = 2**62
+COLDEST = -40.0
+"""Lowest temperature at which a machine stands, degC."""
 SILENT_AFTER = 2.0
 """Time without a block after which a source of short blocks counts as silent, s."""
 REMEMBERED = 5.0
@@ -170,6 +172,24 @@ class SourceLock:
         return 0.0 <= now - self._ignored_at < self.remember
 
 
+def unit_doubt(value: float) -> str:
+    """
+    Return in which other unit a reading would be the temperature of a bearing; '' if in none.
+
+    Examples
+    --------
+    >>> unit_doubt(293.15)
+    'temperature 293.15 would be 20 degC in kelvin: publish degC'
+    >>> unit_doubt(150.0)
+    'temperature 150 would be 66 degC in fahrenheit: publish degC'
+
+    """
+    for unit, celsius in (('kelvin', value + PHYSICAL_LOW), ('fahrenheit', (value - 32.0) / 1.8)):
+        if value > TABLE_HIGH and COLDEST <= celsius <= TABLE_HIGH:
+            return f'temperature {value:.5g} would be {celsius:.0f} degC in {unit}: publish degC'
+    return ''
+
+
 class Inputs:
     """
     Validated temperature and shaft speed of a node.
@@ -205,8 +225,8 @@ class Inputs:
         """Whether the model has a temperature: from a first reading or a loaded state."""
         self.gate = TemperatureGate(start=start, timeout=timeout)
         self._stamp = 0
-        # Why the last reading was refused; '' if it was taken.
-        self._refused = ''
+        # Why the last reading was refused, or seems to be of another unit; '' if neither.
+        self._doubt = ''
         # Another source is accepted when the temperature of the first one is stale.
         self._sources = SourceLock(timeout, timeout)
         self.shaft = ShaftSpeed(nominal=nominal, joint=joint, highest=highest, hold=hold)
@@ -217,15 +237,17 @@ class Inputs:
         if self._sources.accept((info or {}).get('publisher_gid'), now):
             former, self._stamp = self._stamp, stamp_ns(message.header.stamp)
             status = self.gate.offer(message.temperature, stamp=self._stamp, now=now)
-            self._refused = ''
+            self._doubt = ''
             if status is TemperatureStatus.BACKWARDS:
                 how = 'stand still' if self._stamp == former else 'run backwards'
-                self._refused = (
+                self._doubt = (
                     f'the stamps of temperature {how} at {self._stamp / NANO:.3f} s: stamp each '
                     'reading when it is measured'
                 )
             elif status is TemperatureStatus.INVALID:
-                self._refused = f'the last temperature received is {message.temperature:g} degC'
+                self._doubt = f'the last temperature received is {message.temperature:g} degC'
+            elif status is TemperatureStatus.CLAMPED:
+                self._doubt = unit_doubt(message.temperature)
             reading = self.gate.at(now)
             if not (self.settled or math.isnan(reading.taken)):
                 self.settled = True
@@ -249,7 +271,7 @@ class Inputs:
         now = self.clock()
         several = 'several sources of temperature: only the first is used'
         contested = several if self._sources.contested(now) else ''
-        return self.shaft.problem(now), contested, self._refused
+        return self.shaft.problem(now), contested, self._doubt
 
     def set_timeout(self, timeout: float) -> None:
         """Set the age above which a temperature is stale, s."""

@@ -80,8 +80,9 @@ def test_joint_states_without_the_joint_say_nothing_of_it():
     shaft.offer(['motor'], [2 * math.pi * 10.0], now=0.0)
     shaft.offer(['gear'], [1.0], now=1.0)
     assert shaft.problem(1.0) == ''
-    shaft.offer(['gear'], [1.0], now=6.0)
+    shaft.offer(['gear', 'Motor'], [1.0, 1.0], now=6.0)
     assert 'no velocity for 6.0 s' in shaft.problem(6.0)
+    assert shaft.problem(6.0).endswith('; joint_states has gear, Motor')
 
 
 def message(**changes):
@@ -264,14 +265,35 @@ def test_before_the_first_valid_temperature_the_start_temperature_is_named():
 
 
 @pytest.mark.ros
-@pytest.mark.parametrize(('value', 'asked'), [(323.15, True), (150.0, False), (-40.0, False)])
-def test_a_temperature_in_kelvin_is_recognised(value, asked):
+@pytest.mark.parametrize(
+    ('value', 'unit'),
+    [
+        (323.15, '50 degC in kelvin'),
+        (278.0, '5 degC in kelvin'),
+        (150.0, '66 degC in fahrenheit'),
+        (300.0, '27 degC in kelvin'),
+        (60.0, ''),
+        (-40.0, ''),
+        (500.0, ''),
+    ],
+)
+def test_a_temperature_in_another_unit_is_recognised(value, unit):
+    from bearing_twin.nodes.diagnosis_topics import input_status
     from bearing_twin.nodes.twin_topics import temperature_status
-    from bearing_twin.thermal.gate import TemperatureGate
+    from bearing_twin.streams.vibration_input import Inputs, Intake
 
-    gate = TemperatureGate()
-    gate.offer(value, stamp=0, now=1.0)
-    assert ('looks like kelvin' in temperature_status(gate.at(1.0)).message) == asked
+    inputs, stamp = Inputs(), SimpleNamespace(sec=0, nanosec=0)
+    header = SimpleNamespace(stamp=stamp, frame_id='')
+    inputs.take_temperature(SimpleNamespace(header=header, temperature=value))
+    text = temperature_status(inputs.temperature, *inputs.problems()).message
+    outside = f'temperature {value:g} degC is outside 20..110 degC' in text
+    assert outside == (value != 60.0)
+    intake = Intake(blocks=1, arrived=0.0)
+    for told in text, input_status(intake, 0.0, *inputs.problems()).message:
+        assert (f'would be {unit}' in told) == bool(unit)
+    # Where the unit is corrected, nothing is said of it any more.
+    inputs.take_temperature(SimpleNamespace(header=header, temperature=60.0))
+    assert inputs.problems()[2] == ''
 
 
 def test_publishers_that_come_and_go_take_bounded_memory():
@@ -300,6 +322,12 @@ def test_a_verdict_does_not_stand_without_vibration(age, level):
     status = verdict_status(verdict, '6307', age)
     assert status.level.name == level
     assert ('last verdict was healthy' in status.message) == (level == 'STALE')
+    # An alarm that is held while the sensor is dead says that it is.
+    held = replace(
+        verdict, result='inner', level='fault', reasons=['dead'], window=('insufficient', 'none')
+    )
+    text = verdict_status(held, '6307', 0.5).message
+    assert text == 'inner, held as the window tells nothing: dead'
 
 
 def aggregator():
