@@ -24,7 +24,7 @@ from bearing_twin.wholefile import free_path, given_path
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Mapping
 
     from bearing_twin.recording.writer import RecordingWriter
     from bearing_twin.view.rerun.logger import RerunLogger
@@ -99,17 +99,8 @@ class RecordingWatch:
     def take(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
         """Evaluate one message; ``received`` is its log time, ns."""
         interesting = type_name in (CHECKPOINT, DIAGNOSIS)
-        if not interesting and self._rerun is None:
-            return
-        schema = message_schema(type_name)
-        with self._looking_at(topic):
-            message = store_from_text(type_name, schema.text).deserialize_cdr(cdr, type_name)
-            if type_name == CHECKPOINT:
-                self._note_configuration(message)
-            elif type_name == DIAGNOSIS:
-                self._look_for_fault(topic, message, received)
-            if self._rerun is not None:
-                self._rerun.log(topic, type_name, message, received)
+        if interesting or self._rerun is not None:
+            self._attempt(topic, self._evaluate, topic, type_name, cdr, received)
 
     def read(self, seconds: float) -> None:
         """
@@ -120,8 +111,8 @@ class RecordingWatch:
         end = time.monotonic() + seconds
         while self._unread and time.monotonic() < end:
             node = next(iter(self._unread))
-            with self._looking_at(f'the configuration of {node}'):
-                self._attach(node, self._unread.pop(node))
+            what = f'the configuration of {node}'
+            self._attempt(what, self._attach, node, self._unread.pop(node))
 
     def close(self) -> None:
         """Attach the remaining parameters; finish the Rerun recording."""
@@ -129,11 +120,15 @@ class RecordingWatch:
         if self._rerun is not None:
             self._rerun.close()
 
-    @contextlib.contextmanager
-    def _looking_at(self, what: str) -> Iterator[None]:
-        """Turn any error into a reported problem; clear it when the same task succeeds again."""
+    def _attempt(self, what: str, task: Callable[..., None], *given: Any) -> None:
+        """
+        Do a task; report any error as a problem, and clear it when the same task succeeds again.
+
+        No context manager: since Python 3.12 that keeps an error, and so the message, until the
+        next search for garbage.
+        """
         try:
-            yield
+            task(*given)
         except Exception as error:
             said = f'{what} could not be looked at ({type(error).__name__}: {error})'
             self._troubled, self.problem = what, said[:LONGEST_TEXT]
@@ -141,6 +136,16 @@ class RecordingWatch:
         else:
             if what == self._troubled:
                 self.problem = self._troubled = ''
+
+    def _evaluate(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
+        schema = message_schema(type_name)
+        message = store_from_text(type_name, schema.text).deserialize_cdr(cdr, type_name)
+        if type_name == CHECKPOINT:
+            self._note_configuration(message)
+        elif type_name == DIAGNOSIS:
+            self._look_for_fault(topic, message, received)
+        if self._rerun is not None:
+            self._rerun.log(topic, type_name, message, received)
 
     def _note_configuration(self, checkpoint: Any) -> None:
         node, text = str(checkpoint.node), str(checkpoint.configuration)
