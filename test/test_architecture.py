@@ -82,6 +82,7 @@ RECORDING = (
     'health',
     'player',
     'recover',
+    'dates',
     'signals',
     'temperature',
 )

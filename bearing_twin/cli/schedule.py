@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import refuse_given, refuse_topic
 from bearing_twin.errors import refused
+from bearing_twin.recording.dates import ORDERS
 from bearing_twin.recording.temperature import (
-    ORDERS,
     paper_schedule,
     read_temperatures,
     START,

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
 import math
 import re
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.dates import seconds_since_1970, with_iso_dates
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.signals.csvfile import fields_of, HEAD, table_text, unit_in
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
@@ -34,12 +34,6 @@ _UNITS = SECONDS | {'min': 60.0, 'h': 3600.0}
 """Units of times in s. A vibration is timed in the shorter ones only."""
 _TEMPERATURE = re.compile(r'temp|.*(°|deg) ?C\b', re.IGNORECASE)
 """Begin of the heading of a temperature."""
-ORDERS = ('day-first', 'month-first')
-"""Orders of dates such as 04/03/2026."""
-_YEAR_LAST = re.compile(r'\b(\d\d?)([./-])(\d\d?)\2(\d{4})\b')
-"""A date with points, whose day is first everywhere, or with slashes, whose month may be."""
-_YEAR_FIRST = re.compile(r'\b(\d{4})/(\d\d?)/(\d\d?)\b')
-_HOURS = re.compile(r'(?<![\d:])(\d\d?)(:\d\d(?::\d\d(?:\.\d+)?)?)(?: ?([AP])M)?\b', re.IGNORECASE)
 _DATE = re.compile(r'\d+-\d+-\d+')
 _CLOCK = re.compile(r'\d\d?:\d\d(:\d\d([.,]\d+)?)?')
 _OTHER_UNIT = re.compile(r'(°|deg) ?F\b|fahrenheit|[(\[]K[)\]]|kelvin', re.IGNORECASE)
@@ -130,7 +124,7 @@ def read_temperatures(path: Path, dates: str = '') -> Measured:
 
 def _columns(path: Path, dates: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the times, s, and the temperatures, degC, of a text file."""
-    lines = _with_iso_dates(path, table_text(path), dates).splitlines()
+    lines = with_iso_dates(path, table_text(path), dates).splitlines()
     # Without any of these, blanks part the columns.
     separator = next((s for s in '\t;,' if any(s in line for line in lines[:HEAD])), ' ')
     rows = [[field.strip() for field in fields_of(line, separator)] for line in lines]
@@ -195,43 +189,7 @@ def _seconds(field: str, unit: float = 1.0) -> float | None:
     """Return a time in a unit (s), or a date since 1970, in s; None if it is neither."""
     if not math.isnan(number := _number(field)):
         return number * unit
-    try:
-        date = datetime.fromisoformat(field.replace('Z', '+00:00'))
-    except ValueError:
-        return None
-    return (date if date.tzinfo else date.replace(tzinfo=timezone.utc)).timestamp()
-
-
-def _with_iso_dates(path: Path, text: str, order: str) -> str:
-    """Return a text in which dates are year-month-day, and times of day have 24 hours."""
-    slashed = [date for date in _YEAR_LAST.finditer(text) if date[2] != '.']
-    told = {ORDERS[place // 2]: d[0] for d in slashed for place in (1, 3) if int(d[place]) > 12}
-    if len(told) > 1 or (order and told and order not in told):
-        listed = ' and '.join(f'{date} ({name})' for name, date in told.items())
-        msg = f'{path} has the dates {listed}; give all in one order, that of --dates'
-        raise BearingTwinError(msg)
-    order = order or ''.join(told)
-    if slashed and not order:
-        raise BearingTwinError(
-            f'{path}: {slashed[0][0]} may have the day or the month first; give --dates '
-            f'{" or --dates ".join(ORDERS)}'
-        )
-
-    def iso(date: re.Match[str]) -> str:
-        first, second = date[1], date[3]
-        if date[2] == '.' or order == ORDERS[0]:
-            first, second = second, first
-        return f'{date[4]}-{first:0>2}-{second:0>2}'
-
-    text = _YEAR_FIRST.sub(lambda d: f'{d[1]}-{d[2]:0>2}-{d[3]:0>2}', _YEAR_LAST.sub(iso, text))
-    return _HOURS.sub(_of_24_hours, text)
-
-
-def _of_24_hours(clock: re.Match[str]) -> str:
-    hour = int(clock[1])
-    if clock[3]:
-        hour = hour % 12 + 12 * (clock[3] in 'pP')
-    return f'{hour:02}{clock[2]}'
+    return seconds_since_1970(field)
 
 
 def write_temperature_recording(
