@@ -97,7 +97,7 @@ setup: $(VENV)/kernels.stamp $(VENV)/package.stamp
 
 # All that the kernels import: they compile while the rest is installed and the messages are built.
 $(VENV)/numba.stamp: requirements.txt constraints.txt
-	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10) and "Python 3.10 or newer is needed")'
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed")'
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) install --upgrade 'pip>=24'
 	grep -E '^(numba|numpy|scipy)=' requirements.txt > $(VENV)/numba.txt

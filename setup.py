@@ -94,7 +94,7 @@ setup(
     version=ElementTree.parse(HERE / 'package.xml').findtext('version'),
     description='Temperature-aware digital twin and diagnosis of bearings for ROS 2',
     license='Apache-2.0',
-    python_requires='>=3.10',
+    python_requires='>=3.11',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={'': ['*.csv', '*.html', '*.json', '*.xml', '*.yaml', 'py.typed']},
     data_files=[

@@ -15,7 +15,7 @@ __all__ = ['adapter', 'calibration', 'command', 'diagnosis', 'fleet', 'recorder'
 def command() -> int:
     """Run ``bearing-twin``; return its exit status."""
     # Process pools and their resource tracker are started by the standard library. Without this
-    # they would look for modules in the working directory first. Python 3.10 ignores it.
+    # they would look for modules in the working directory first.
     os.environ.setdefault('PYTHONSAFEPATH', '1')
     # Until all is loaded: see `bearing_twin.memory.begin_collection`.
     gc.disable()

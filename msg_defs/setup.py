@@ -89,7 +89,7 @@ setup(
     version=ElementTree.parse(HERE / 'package.xml').findtext('version'),
     description='Messages and services of bearing_twin',
     license='Apache-2.0',
-    python_requires='>=3.10',
+    python_requires='>=3.11',
     packages=[],
     py_modules=[],
     cmdclass={'build_py': BuildMessages},

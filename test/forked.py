@@ -20,6 +20,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from bearing_twin.ros.processes.launching import COMMAND, NodeProcesses
+from bearing_twin.start import command
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,21 +35,22 @@ class ForkedNodes(NodeProcesses):
     """The nodes of a test, forked; those that another command runs are started by it."""
 
     def _begin(self, words: list[str], log: BinaryIO) -> subprocess.Popen[bytes]:
-        if words[0] != sys.executable:
+        own = len(COMMAND)
+        if tuple(words[:own]) != COMMAND:
             return super()._begin(words, log)
-        return _fork(words[2:], self._environment, log.name, log.name)  # type: ignore[return-value]
+        return _fork(words[own:], self._environment, log.name, log.name)  # type: ignore[return-value]
 
 
 def start_command(*words: object, out: Path, **environment: str) -> Forked:
     """Start ``bearing-twin`` with some words; a file or a terminal gets all that it says."""
-    return _fork([COMMAND, *map(str, words)], os.environ | environment, str(out), str(out))
+    return _fork(list(map(str, words)), os.environ | environment, str(out), str(out))
 
 
 def run_command(*words: object, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run ``bearing-twin`` with some words to its end, as `commands.python` runs Python."""
     with TemporaryDirectory() as folder:
         said = [Path(folder) / name for name in ('out', 'err')]
-        command = _fork([COMMAND, *map(str, words)], os.environ | environment, *map(str, said))
+        command = _fork(list(map(str, words)), os.environ | environment, *map(str, said))
         status = command.wait(600.0)
         return subprocess.CompletedProcess(words, status, *(file.read_text() for file in said))
 
@@ -82,7 +84,7 @@ class Forked:
 
 
 def _fork(words: list[str], environment: Mapping[str, str], out: str, err: str) -> Forked:
-    """Run ``python -c WORDS`` in a forked process, whose output is added to files."""
+    """Run ``bearing-twin`` with words in a forked process, whose output is added to files."""
     _ensure_server()
     process = _FORKING.Process(target=_run, args=(words, dict(environment), out, err))
     process.start()
@@ -109,5 +111,5 @@ def _run(words: list[str], environment: dict[str, str], out: str, err: str) -> N
     sys.stdout, sys.stderr = (os.fdopen(number, 'w', 1, closefd=False) for number in (1, 2))
     os.environ.clear()
     os.environ.update(environment)
-    sys.argv = ['-c', *words[1:]]
-    exec(words[0], {'__name__': '__main__'})
+    sys.argv[1:] = words
+    sys.exit(command())

@@ -62,7 +62,6 @@ def test_garbage_is_looked_for_from_the_work_on(words):
         gc.enable()
 
 
-@pytest.mark.skipif(sys.version_info < (3, 11), reason='Python 3.10 imports from there')
 def test_what_a_command_spawns_imports_nothing_from_the_working_directory(tmp_path):
     """As the pool of a calibration node, and the workers of a bench."""
     (tmp_path / 'multiprocessing.py').write_text('raise SystemExit(7)')

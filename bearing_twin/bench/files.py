@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from pathlib import Path
 import subprocess
-import sys
 import tempfile
 import time
 from typing import TYPE_CHECKING
@@ -79,7 +78,7 @@ def _write(folder: Path) -> list[str]:
 
 def _diagnose(arguments: list[str], workers: Sequence[Process]) -> tuple[float, float]:
     """Return the elapsed time, s, and the largest growth of a worker, MB."""
-    command = [sys.executable, '-c', COMMAND, 'diagnose', '--json', '--bearing', '6307']
+    command = [*COMMAND, 'diagnose', '--json', '--bearing', '6307']
     began = time.perf_counter()
     sizes = []
     with subprocess.Popen([*command, *arguments], stdout=subprocess.PIPE, text=True) as process:

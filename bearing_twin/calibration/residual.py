@@ -210,7 +210,7 @@ class Residual:
             self.names, self.rows, self.recent, self.waiting = tuple(names), [], [], []
         if len(self.rows) < DAY:
             self._limits = []
-            self.rows.append(np.float32(difference))
+            self.rows.append(difference.astype(np.float32))
 
     def update(
         self, names: tuple[str, ...], difference: FloatArray, *, healthy: bool
@@ -225,7 +225,7 @@ class Residual:
         if found.alarm or not healthy or names != self.names:
             self.waiting = []
         if healthy and not found.alarm:
-            self.waiting.append(np.float32(difference))
+            self.waiting.append(difference.astype(np.float32))
         wait = 1 + (MOST_RUN - 1) * int(np.median(self._limits[0].apart) if self._limits else 1)
         while len(self.waiting) > min(wait, HISTORY) or (self.waiting and not self.rows):
             self.learn(names, np.array(self.waiting.pop(0)))
@@ -235,7 +235,9 @@ class Residual:
         """Compare a decision with the healthy ones."""
         alike = names == self.names
         if alike:
-            self.recent = [*self.recent, np.float32(difference)][-HISTORY - STEP_MEAN - STEP_GAP :]
+            self.recent = [*self.recent, difference.astype(np.float32)][
+                -HISTORY - STEP_MEAN - STEP_GAP :
+            ]
         if not alike or len(self.rows) < LEAST:
             count = len(self.rows) if alike else 0
             return _nothing(f'{count} healthy decisions of {LEAST} that a limit needs')

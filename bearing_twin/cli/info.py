@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from datetime import datetime, timezone
+from datetime import datetime, UTC
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _print(info: RecordingInfo, health: RecordingHealth | None, problems: list[str]) -> None:
-    begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
+    begin = datetime.fromtimestamp(info.start / NANO, tz=UTC)
     before = [
         ('recording', f'{info.path} ({info.profile or "no profile"}, {info.library})'),
         *(('file', f'{path.name} ({path.stat().st_size / 1e6:.3g} MB)') for path in info.files),

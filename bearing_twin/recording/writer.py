@@ -34,10 +34,10 @@ from bearing_twin.stamps import NANO
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+    from typing import Self
 
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.mcap.schema import MessageSchema
-    from typing_extensions import Self
 
 
 LATEST = 2**63

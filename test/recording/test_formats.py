@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timedelta, timezone
+from datetime import datetime, timedelta, UTC
 import json
 from pathlib import Path
 import re
@@ -403,7 +403,7 @@ def test_files_of_every_kind_are_snapshots_of_a_series(
 
 def test_snapshots_are_as_far_apart_as_the_clocks_in_their_files(tmp_path: Path) -> None:
     """The names have no times, or other ones."""
-    begin = datetime(2026, 11, 30, 10, tzinfo=timezone.utc)
+    begin = datetime(2026, 11, 30, 10, tzinfo=UTC)
     for hours in range(3):
         time = begin + timedelta(hours=hours)
         # The first one of the channels counts; one that was never set does not.
@@ -431,4 +431,4 @@ def test_snapshots_are_as_far_apart_as_the_clocks_in_their_files(tmp_path: Path)
     text = (tmp_path / '2026-12-01_00-00-00.lvm').read_text()
     (tmp_path / '2026-12-01_00-00-00.lvm').write_text(text.replace('Time\t', 'Time\t?'))
     named = read_snapshots([tmp_path / '2026-12-01_00-00-00.lvm'], channel='DE')
-    assert next(named).time == datetime(2026, 12, 1, tzinfo=timezone.utc).timestamp()
+    assert next(named).time == datetime(2026, 12, 1, tzinfo=UTC).timestamp()

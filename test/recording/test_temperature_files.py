@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A temperature that somebody measured becomes a recording for the twin."""
 
-from datetime import datetime, timezone
+from datetime import datetime, UTC
 
 from bearing_twin.cli import main
 from bearing_twin.recording.reader import read_messages
@@ -11,7 +11,7 @@ from bearing_twin.stamps import NANO
 import numpy as np
 import pytest
 
-NOON = int(datetime(2026, 3, 4, 12, tzinfo=timezone.utc).timestamp()) * NANO
+NOON = int(datetime(2026, 3, 4, 12, tzinfo=UTC).timestamp()) * NANO
 
 
 def _recorded(path):
@@ -98,7 +98,7 @@ def test_the_order_of_dates_with_slashes_is_told_by_a_day_or_by_the_user(
     assert main([*words, *(['--dates', order] if order else [])]) == 0
     times, temperatures = _recorded(tmp_path / 'run')
     day = 30 if '30' in dates else (3 if month == 4 else 4)
-    start = datetime(2026, month, day, 9, tzinfo=timezone.utc).timestamp()
+    start = datetime(2026, month, day, 9, tzinfo=UTC).timestamp()
     assert [time / NANO - start for time in times] == [0.0, 12600.0, 14700.0]
     assert temperatures == [20.0, 21.0, 22.0]
     if '30' in dates:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import StrEnum
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.calibration.answer.healthy import (
@@ -49,7 +49,7 @@ PERIODS = 2.0
 """Shortest passage, in periods of the resonance that it excites."""
 
 
-class Kind(str, Enum):
+class Kind(StrEnum):
     """Why the width is not identifiable."""
 
     NO_PART = 'no_part'

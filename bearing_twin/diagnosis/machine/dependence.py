@@ -250,7 +250,7 @@ def _law(
 
 def _regression(
     matrix: NDArray[np.float64], y: NDArray[np.float64], priors: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.floating]]:
     """Return coefficients and covariance of a robust regression with autocorrelation."""
     means, widths = priors.T.copy()
     memory, beta = 0.0, means.copy()

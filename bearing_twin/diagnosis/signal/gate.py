@@ -94,7 +94,8 @@ class Extent:
             return cls(0, 0, math.nan, math.nan, 0, 0)
         low, high = float(x.min()), float(x.max())
         if not (math.isfinite(low) and math.isfinite(high)):
-            return cls(len(x), len(x) - np.count_nonzero(np.isfinite(x)), math.nan, math.nan, 0, 0)
+            bad = int(np.count_nonzero(~np.isfinite(x)))
+            return cls(len(x), bad, math.nan, math.nan, 0, 0)
         span, steps = _ENDS * (high - low), _steps(x)
         most = len(x) if math.isfinite(steps) else _RAIL * len(x)
         at_low, at_high = (_at_end(end, most) for end in (x <= low + span, x >= high - span))

@@ -119,7 +119,7 @@ def without_two_highest(
     for g in range(len(hertz)):
         total, highest_line, second = 0.0, -np.inf, -np.inf
         for number in range(first, first + count):
-            lowest = np.float64(logs[nearest_row(hertz[g] * number / bin_hz, len(logs))])
+            lowest: float = np.float64(logs[nearest_row(hertz[g] * number / bin_hz, len(logs))])
             if lowest > highest_line:
                 lowest, second, highest_line = second, highest_line, lowest
             elif lowest > second:

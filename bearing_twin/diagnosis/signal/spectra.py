@@ -397,7 +397,7 @@ def _square(spectrum: NDArray[np.complex64], power: NDArray[np.float32]) -> None
 def _whiten(
     spectrum: NDArray[np.complex64],
     floor: NDArray[np.float32],
-    share: float,
+    share: np.float32,
     capped: NDArray[np.complex64],
     cepstral: NDArray[np.complex64],
 ) -> None:

@@ -126,7 +126,8 @@ def _matrix(data: memoryview, order: str, name: str, depth: int) -> Iterator[tup
     if len(head) < 3 or len(head[0]) < 4:
         return
     kind = struct.unpack_from(f'{order}I', head[0])[0] & 0xFF
-    shape = np.frombuffer(head[1], f'{order}i4') if len(head[1]) % 4 == 0 else np.zeros(0)
+    whole = len(head[1]) % 4 == 0
+    shape = list(map(int, np.frombuffer(head[1], f'{order}i4'))) if whole else []
     name = bytes(head[2]).decode('latin-1') or name
     if kind == STRUCT:
         yield from _struct(elements, order, depth)
@@ -136,10 +137,10 @@ def _matrix(data: memoryview, order: str, name: str, depth: int) -> Iterator[tup
         yield name, np.array(_text(stored, part, order))
     elif kind in NUMERIC and stored in NUMBERS:
         values = np.frombuffer(part, f'{order}{NUMBERS[stored]}')
-        if math.prod(int(n) for n in shape) != values.size:
-            msg = f'{name} has {values.size} values, which do not make {shape.tolist()}'
+        if math.prod(shape) != values.size:
+            msg = f'{name} has {values.size} values, which do not make {shape}'
             raise BearingTwinError(msg)
-        yield name, values.reshape(shape.tolist(), order='F').squeeze()
+        yield name, values.reshape(shape, order='F').squeeze()
 
 
 def _struct(

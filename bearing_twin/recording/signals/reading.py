@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import Counter
 from contextlib import contextmanager
-from datetime import datetime, timezone
+from datetime import datetime, UTC
 from importlib import import_module
 from typing import Any, TYPE_CHECKING
 
@@ -77,7 +77,7 @@ def clock_time(text: str, form: str) -> float | None:
 
     """
     try:
-        return datetime.strptime(text, form).replace(tzinfo=timezone.utc).timestamp()
+        return datetime.strptime(text, form).replace(tzinfo=UTC).timestamp()
     except ValueError:
         return None
 

@@ -27,12 +27,8 @@ LOADING = 'loading the kernel'
 """Log message of a node whose start takes long because it loads compiled code."""
 PARENT = 'BEARING_TWIN_PARENT'
 """Environment variable with the process id of the launch with which a node ends."""
-COMMAND = (
-    'import sys; sys.path[:] = filter(None, sys.path); '
-    'from bearing_twin.start import command; sys.exit(command())'
-)
-"""Python code of the command ``bearing-twin``, without imports from the working directory. The
-Python option for this, -P, exists only since 3.11."""
+COMMAND = (sys.executable, '-P', '-m', 'bearing_twin')
+"""The command ``bearing-twin``, without imports from the working directory."""
 
 
 def local_environment(domain_id: int) -> dict[str, str]:
@@ -97,8 +93,7 @@ class NodeProcesses:
         ``ros`` holds further ``--ros-args``. ``within`` is a command that runs the node, such as
         ``ip netns exec HOST``.
         """
-        words = [*within, sys.executable, '-c', COMMAND]
-        words += ['run', module, '--ros-args']
+        words = [*within, *COMMAND, 'run', module, '--ros-args']
         for key, value in parameters.items():
             # JSON is YAML, and quotes every string.
             words += ['-p', f'{key}:={json.dumps(value, ensure_ascii=False)}']

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
+from datetime import datetime, UTC
 from html import escape
 import math
 import re
@@ -61,7 +61,7 @@ def report_page(path: Path, source: Path | None = None) -> str:
     """
     info, health, found = collect(path)
     machines = sorted(found.values(), key=_urgency, reverse=True)
-    begin = datetime.fromtimestamp(info.start / NANO, tz=timezone.utc)
+    begin = datetime.fromtimestamp(info.start / NANO, tz=UTC)
     # A bag folder is often just called 'bag': its parent names the run.
     title = f'Bearing report: {"/".join((source or path).resolve().parts[-2:])}'
     when = '' if is_undated(info.start) else f'{begin:%Y-%m-%d %H:%M:%S} UTC, '

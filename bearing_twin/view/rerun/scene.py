@@ -116,5 +116,5 @@ class Scene:
                 if last:
                     picture.finish()
                     picture.canvas.flush(slow=True)
-            except Exception as error:  # noqa: PERF203 - one picture's failure spares the others
+            except Exception as error:
                 complain(f'{self.root}/{name}', error)
