@@ -15,6 +15,7 @@ from bearing_twin.errors import shown
 from bearing_twin.recording.finding import find_recording
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.recording.temperature import is_undated
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
@@ -55,12 +56,15 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _print(info: RecordingInfo, health: RecordingHealth | None, problems: list[str]) -> None:
-    begin = datetime.fromtimestamp(info.start / NANO, tz=UTC)
+    at = datetime.fromtimestamp(info.start / NANO, tz=UTC)
+    begin = f'{at:%Y-%m-%d %H:%M:%S.%f} UTC'
+    if is_undated(info.start):
+        begin = 'not dated: times count from the begin'
     before = [
         ('recording', f'{info.path} ({info.profile or "no profile"}, {info.library})'),
         *(('file', f'{path.name} ({path.stat().st_size / 1e6:.3g} MB)') for path in info.files),
         ('finished', 'yes' if info.finished else 'no'),
-        ('begin', f'{begin:%Y-%m-%d %H:%M:%S.%f} UTC'),
+        *([('begin', begin)] if info.count else []),
         ('duration', f'{info.duration:.3f} s'),
         ('messages', str(info.count)),
     ]

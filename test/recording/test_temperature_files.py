@@ -159,3 +159,19 @@ def test_arrays_of_times_and_temperatures_are_both_needed(tmp_path, capsys):
     words = ['schedule', '--from', str(tmp_path / 'log.npz'), '-o', str(tmp_path / 'run')]
     assert main(words) == 1
     assert 'has no array temp_C; give both (s, degC)' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('log', 'begin'),
+    [
+        ('0,20\n1,21\n', 'not dated'),
+        ('2026-03-04 12:00:00,20\n2026-03-04 12:00:01,21\n', '2026-03-04 12:00:00'),
+    ],
+)
+def test_info_shows_a_date_only_where_the_log_has_one(tmp_path, capsys, log, begin):
+    (tmp_path / 'log.csv').write_text(f'time,temperature\n{log}')
+    made = str(tmp_path / 'made')
+    assert main(['schedule', '--from', str(tmp_path / 'log.csv'), '-o', made]) == 0
+    capsys.readouterr()
+    assert main(['info', made]) == 0
+    assert f'begin       {begin}' in capsys.readouterr().out

@@ -10,7 +10,7 @@ from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
 from bearing_twin.cli.diagnose.task import CARD
 from bearing_twin.cli.terminal import by_level, lined_up
 from bearing_twin.view.style import FAMILIES
-from bearing_twin.view.verdict import facts, measured, reasons
+from bearing_twin.view.verdict import facts, measured, number, reasons
 
 _ORDERS = {family.key: family.label for family in FAMILIES}
 
@@ -45,7 +45,7 @@ def page(answer: dict[str, Any]) -> str:
     if evidence['line_hz']:
         lines.append('')
     for hertz, height in zip(evidence['line_hz'], evidence['line_level'], strict=True):
-        lines.append(f'line of the envelope at {hertz:.2f} Hz, {height:.3g} x floor')
+        lines.append(f'line of the envelope at {hertz:.2f} Hz, {number(height)} x floor')
     return '\n'.join(lines)
 
 
@@ -66,8 +66,8 @@ def _table(answer: dict[str, Any]) -> list[str]:
     # The rows fit 80 columns.
     rows = [
         '',
-        '              expected       clearest comb         off  signifi- index',
-        '              Hz     order      Hz     order           cance',
+        '              expected       clearest comb         off  significance   index',
+        '              Hz     order      Hz     order',
     ]
     for place in PLACES:
         found, expected = evidence['found_hz'].get(place), frequencies.impacts(place)
@@ -77,7 +77,7 @@ def _table(answer: dict[str, Any]) -> list[str]:
             continue
         off = found / expected - 1.0
         text += f'{found:9.2f}{found / shaft_hz:7.3f} {off:+7.2%}'
-        text += f'{evidence["score"][place]:7.1f}{evidence["modulation_index"][place]:8.2f}'
+        text += f'{evidence["score"][place]:14.1f}{evidence["modulation_index"][place]:8.2f}'
         named = place in answer['faults']
         rows.append(by_level(f'{text}  <-', answer['level']) if named else text)
     return rows
