@@ -13,7 +13,7 @@ from bearing_twin.recording.dates import seconds_since_1970, with_iso_dates
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.signals.csvfile import fields_of, HEAD, table_text, unit_in
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
-from bearing_twin.recording.signals.timecolumn import SECONDS, unit_of
+from bearing_twin.recording.signals.timecolumn import DATED, SECONDS, unit_of
 from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import LATEST, NANO, split_ns
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 START = 1_577_836_800 * NANO
 """Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""
-_DATED = 1e9
-"""Times from this one on, s, are dates, as seconds since 1970; smaller ones count from a start."""
 _UNITS = SECONDS | {'min': 60.0, 'h': 3600.0}
 """Units of times in s. A vibration is timed in the shorter ones only."""
 _TEMPERATURE = re.compile(r'temp|.*(°|deg) ?C\b', re.IGNORECASE)
@@ -110,7 +108,7 @@ def read_temperatures(path: Path, dates: str = '') -> Measured:
         times, temperatures = _columns(path, dates)
     if np.count_nonzero(np.isfinite(temperatures)) < 2:
         raise BearingTwinError(f'{path} has fewer than two temperatures; record for longer')
-    dated = times[0] >= _DATED
+    dated = times[0] >= DATED
     falls = np.flatnonzero(~(np.diff(times, prepend=times[0]) >= 0.0))
     if falls.size:
         zone = ', or, where summer time ends, give dates with their zone' if dated else ''

@@ -26,7 +26,13 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.signals.timecolumn import is_time, rate_of_times, SECONDS
+from bearing_twin.recording.dates import seconds_since_1970, with_iso_dates
+from bearing_twin.recording.signals.timecolumn import (
+    date_in,
+    is_time,
+    rate_of_times,
+    SECONDS,
+)
 import numpy as np
 
 if TYPE_CHECKING:
@@ -53,6 +59,10 @@ CLOCK = re.compile(
     re.IGNORECASE | re.MULTILINE,
 )
 """A time of day at the begin of a line; a date may stand before it."""
+STAMP = re.compile(
+    r' *(\d{4}-\d\d-\d\d)[T ;,\t]+(\d\d:\d\d:\d\d(?:\.\d+|,\d+(?=[;\t]))?) ?(Z|[+-]\d\d:?\d\d)?'
+)
+"""Date, time of day and zone at the begin of a line."""
 HALF_DAY = 43_200
 """Period of times that may have AM or PM, s."""
 PREFIXES = {'': 1.0, 'k': 1e3, 'm': 1e6}
@@ -124,16 +134,48 @@ def read_csv(path: Path) -> dict[str, Any]:
     return found
 
 
-def table_text(path: Path) -> str:
-    """Return the text of a file without quotes around numbers and separators at line ends."""
+def csv_start(path: Path) -> float | None:
+    """
+    Return the time of the first row, s since 1970, UTC if it names no zone; None if unknown.
+
+    It is a date and time at the begin of the line, or a column of times since 1970. A date such as
+    04/03/2026 may have the day or the month first, and is not taken.
+    """
+    head = _head(table_text(path, LONGEST_HEAD))
+    plain = [CLOCK.sub(_seconds_of_day, line) for line in head]
+    start, separator = _first_numbers(plain)
+    if start < 0:
+        return None
+    if plain[start] != head[start]:
+        try:
+            found = STAMP.match(with_iso_dates(path, head[start]))
+        except BearingTwinError:
+            return None
+        return seconds_since_1970(f'{found[1]} {found[2]}{found[3] or ""}') if found else None
+    row = fields_of(head[start], separator)
+    names = _names(head[:start], separator, len(row), timed=False)
+    times = dict(zip(names, row, strict=True))
+    dates = (date_in(name, float(time)) for name, time in times.items() if is_time(name))
+    return next(filter(None, dates), None)
+
+
+def table_text(path: Path, most: int = -1) -> str:
+    """
+    Return the text of a file without quotes around numbers and separators at line ends.
+
+    ``most`` limits it to the first characters.
+    """
     try:
         with path.open('rb') as file:
             is_wide = file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE)
         try:
-            text = path.read_text(encoding='utf-16' if is_wide else 'utf-8-sig')
+            with path.open(encoding='utf-16' if is_wide else 'utf-8-sig') as file:
+                text = file.read(most)
         except UnicodeDecodeError:
             # Spreadsheets on Windows write its code page. A file may end within a character.
-            text = path.read_text(encoding='utf-16' if is_wide else 'cp1252', errors='replace')
+            encoding = 'utf-16' if is_wide else 'cp1252'
+            with path.open(encoding=encoding, errors='replace') as file:
+                text = file.read(most)
     except OSError as error:
         raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
     # A comma in a quoted number is a decimal comma.

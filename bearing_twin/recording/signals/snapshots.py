@@ -14,6 +14,7 @@ from bearing_twin.given import real_numbers
 from bearing_twin.recording.finding import ending, natural, SIGNAL_FILES
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.recording.signals.csvfile import csv_start
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
 from bearing_twin.recording.signals.lvmfile import lvm_start
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
@@ -41,6 +42,7 @@ STARTS: dict[str, Callable[[Path], float | None]] = {
     '.uff': uff_start,
     '.unv': uff_start,
     '.lvm': lvm_start,
+    **dict.fromkeys(('.csv', '.txt', '.tsv'), csv_start),
 }
 """How the time at which a file begins is read, s since 1970, by its suffix; None if unknown."""
 
@@ -105,8 +107,9 @@ def read_snapshots(
     ``bearing-datasets`` holds many snapshots, with their times in ``time_s`` of its table. Any
     other file is one snapshot. Its time is ``time_s`` in the file, or else its position in the
     order times ``cycle``. Without a cycle it is the time of the first message of an MCAP file,
-    ``wf_start_time`` of a .tdms file, date and time in the header of a .uff or .lvm file, or else
-    the date and time in the file name. If all files have times, their order does not matter.
+    ``wf_start_time`` of a .tdms file, date and time in the header of a .uff or .lvm file or in the
+    first row of a .csv, .txt or .tsv file, or else the date and time in the file name. If all
+    files have times, their order does not matter.
 
     Parameters
     ----------

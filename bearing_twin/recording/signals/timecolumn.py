@@ -27,6 +27,8 @@ SECONDS = {
 """Unit of a time column in s, by the last word of its heading."""
 SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 """Least time since 1970 in ns, us and ms, if no unit is given, and the unit in s."""
+DATED = 1e9
+"""Times from this one on, s, are dates, as seconds since 1970; smaller ones count from a start."""
 
 
 def rate_of_times(name: str, times: NDArray[Any]) -> dict[str, Any]:
@@ -44,15 +46,33 @@ def rate_of_times(name: str, times: NDArray[Any]) -> dict[str, Any]:
     """
     if times.size < 2:
         return {}
-    scale = _seconds(name)
-    if not unit_of(name):
-        scale *= next((unit for least, unit in SINCE_1970 if times[0] >= least), 1.0)
+    scale = _unit(name, times[0])
     step = scale * _mean_step(times)
     if step > 0.0 and is_even(times):
         return {'fs': np.array(nominal_rate(1.0 / step))}
     if scale > 0.0 and not step <= 0.0:
         return {'no_rate': np.array(_gap(name, scale * np.diff(times)))}
     return {}
+
+
+def date_in(name: str, time: float) -> float | None:
+    """
+    Return the first of a column of times, s since 1970; None if they count from a start.
+
+    >>> date_in('time', 1.7e9), date_in('t [ms]', 1.7e12), date_in('timestamp', 1.7e18)
+    (1700000000.0, 1700000000.0, 1700000000.0)
+    >>> date_in('t [ms]', 1.7e9)
+
+    """
+    seconds = _unit(name, time) * time
+    return seconds if seconds >= DATED else None
+
+
+def _unit(name: str, first: float) -> float:
+    """Return the unit of a column of times in s, by its heading and its first time."""
+    if unit_of(name):
+        return _seconds(name)
+    return next((unit for least, unit in SINCE_1970 if first >= least), 1.0)
 
 
 def is_time(heading: str) -> bool:

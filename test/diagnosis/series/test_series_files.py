@@ -198,6 +198,43 @@ def test_times_in_the_names_of_files(tmp_path):
         list(read_snapshots(files))
 
 
+@pytest.mark.parametrize(
+    ('first', 'second', 'seconds'),
+    [
+        ('2026-11-30 10:00:00,1', '2026-11-30 10:00:00.001,2', 1796032800.0),
+        ('2026-11-30T11:00:00.5+01:00;1', '2026-11-30T11:00:00.501+01:00;2', 1796032800.5),
+        ('2026-11-30T10:00:00Z,1', '2026-11-30T10:00:00.001Z,2', 1796032800.0),
+        ('30.11.2026 10:00:00;1', '30.11.2026 10:00:00.001;2', 1796032800.0),
+        ('30.11.2026;10:00:00,25;1,5', '30.11.2026;10:00:00,251;2,5', 1796032800.25),
+        ('11/30/2026 2:00:00 PM,1', '11/30/2026 2:00:00.001 PM,2', 1796047200.0),
+        ('2026/11/30\t10:00:00\t1', '2026/11/30\t10:00:00.001\t2', 1796032800.0),
+        ('time,acc\n1796032800.0,1', '1796032800.001,2', 1796032800.0),
+        ('acc;time (ms)\n1,5;1796032800250', '2,5;1796032800251', 1796032800.25),
+    ],
+)
+def test_times_in_the_first_row_of_a_text(tmp_path, first, second, seconds):
+    path = tmp_path / 'a.csv'
+    path.write_text(f'{first}\n{second}\n')
+    (snapshot,) = read_snapshots([path], sample_rate=1000.0)
+    assert (snapshot.time, len(snapshot.signal.x)) == (seconds, 2)
+
+
+@pytest.mark.parametrize(
+    'rows',
+    [
+        '11/12/2026 10:00:00,1\n11/12/2026 10:00:00.001,2',
+        '10:00:00,1\n10:00:00.001,2',
+        'time,acc\n0.000,1\n0.001,2',
+    ],
+    ids=['day or month', 'no date', 'from a start'],
+)
+def test_rows_that_tell_no_date(tmp_path, rows):
+    path = tmp_path / 'a.csv'
+    path.write_text(f'{rows}\n')
+    with pytest.raises(BearingTwinError, match='does not say when'):
+        list(read_snapshots([path], sample_rate=1000.0))
+
+
 def test_times_may_be_a_column(tmp_path):
     np.savez(tmp_path / 'a.npz', x=np.ones((2, 200)), fs=1000.0, t_s=[[5.0], [6.0]])
     assert [snapshot.time for snapshot in read_snapshots([tmp_path / 'a.npz'])] == [5.0, 6.0]
