@@ -14,10 +14,11 @@ sys.path.insert(0, str(ROOT))
 project = 'bearing_twin'
 copyright = '2026, bearing_twin contributors'
 version = release = str(ElementTree.parse(ROOT / 'package.xml').findtext('version'))
-extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.napoleon', 'sphinx.ext.mathjax']
+extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.napoleon']
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
 myst_heading_anchors = 4
-smartquotes = False
+# Quotes are of values to be typed.
+smartquotes_action = 'De'
 html_theme = 'alabaster'
 html_theme_options = {
     'page_width': '78em',
