@@ -24,12 +24,13 @@ if TYPE_CHECKING:
 
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
 _SUFFIX = r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|tn9?|jem|m|j|n|nr)'
-_WITH_SUFFIXES = rf'(?:(?:{_MAKERS})[ -]*)?(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFIX}){{0,8}}'
+_MADE_BY = rf'(?:(?:{_MAKERS})[ -]*)?'
+_WITH_SUFFIXES = rf'{_MADE_BY}(\d{{3,5}}(?:/\d\d)?)(?:[ /-]*{_SUFFIX}){{0,8}}'
 """Pattern of a designation with maker and suffixes that change neither balls nor pitch diameter.
 The suffix E (as in ETN9) is not among them: it stands for more or larger balls. Without a limit on
 the number of suffixes, matching a name of 45 letters takes hours."""
 _ROLLERS_E = (
-    rf'(?:(?:{_MAKERS})[ -]*)?(?:nu|nj|nup|n)[ -]*(\d{{3,4}})[ -]*'
+    rf'{_MADE_BY}(?:nu|nj|nup|n)[ -]*(\d{{3,4}})[ -]*'
     r'(?:e(?:c|a|w|m|ma|j|t|t2|g1|cp|cph|cj|cm|cml|cma|cpa)?|r)'
     r'(?:[ /.-]*(?:xl|tvp2?|m1a?|mp1a|mpa|jp1|c[2345]|cn)){0,4}'
 )
