@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Benchmarks behind 'bearing-twin bench'; `figures.FIGURES` explains what each measures."""
+"""Benchmarks behind 'bearing-twin bench'; `cli.bench.FIGURES` explains what each measures."""
