@@ -77,16 +77,15 @@ def check_range(
     name: str, value: float, low: float, high: float, unit: str, remedy: str = ''
 ) -> None:
     """Refuse a ``value`` that is not finite or outside ``low``..``high``."""
-    limits = f'{low:g}..{high:g} {unit}'.rstrip()
     try:
-        inside = bool(low <= value <= high)
+        if low <= value <= high:
+            return
+        wrong, remedy = f'{value} is outside', f'; choose a value inside{remedy}'
     except (TypeError, ValueError):
         # Text, None, a complex number or an array.
-        msg = f'{name}={value!r:.40} is not a number; give one of {limits}{remedy}'
-        raise BearingTwinError(msg) from None
-    if not inside:
-        msg = f'{name}={value} is outside {limits}; choose a value inside{remedy}'
-        raise BearingTwinError(msg)
+        wrong = f'{value!r:.40} is not a number; give one of'
+    limits = f'{low:g}..{high:g} {unit}'.rstrip()
+    raise BearingTwinError(f'{name}={wrong} {limits}{remedy}')
 
 
 def check_whole(name: str, value: int) -> None:
