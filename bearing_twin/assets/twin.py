@@ -243,17 +243,13 @@ class Twin(TwinChannel):
 
     def advance(self, inputs: TwinInputs | None = None, n: int | None = None) -> TwinBlock:
         """Return the next block, of ``n`` samples; by default with current inputs and length."""
-        n = n or self.values['block_size']
-        inputs = inputs or self.inputs
-        if self._changing:
-            return self._made(self._fade(n, inputs.temperature.used, inputs.shaft_hz), inputs)
-        block = self.simulator.advance(n, inputs.temperature.used, inputs.shaft_hz)
-        return self._made(self._sensed(block), inputs)
+        return self.advance_all([inputs or self.inputs], n or self.values['block_size'])[0]
 
     def advance_all(self, inputs: Sequence[TwinInputs], n: int) -> list[TwinBlock]:
         """Return blocks of ``n`` samples as :meth:`advance` does, computed in one call."""
         if inputs and self._changing:
-            return [self.advance(inputs[0], n), *self.advance_all(inputs[1:], n)]
+            first = self._fade(n, inputs[0].temperature.used, inputs[0].shaft_hz)
+            return [self._made(first, inputs[0]), *self.advance_all(inputs[1:], n)]
         temperatures = [each.temperature.used for each in inputs]
         blocks = self.simulator.advance_all(n, temperatures, [each.shaft_hz for each in inputs])
         return [

@@ -26,7 +26,6 @@ def warm_up(*, fleet: bool = False) -> None:
     parameters = preset('incipient', thermal_mode='physical')
     simulator = Simulator(parameters)
     simulator.advance(16, 30.0, 25.0)
-    simulator.advance_all(16, [30.0], [25.0])
     simulator.condition()
     path = SensorPath(sample_rate=25600.0, numerator=(1.0,), denominator=(1.0,), noise=0.0)
     path.filter().apply([0.0])

@@ -33,13 +33,13 @@ def sum3(a, h, b, k, c):
 
 
 @compiled(inline=True, fast=FAST)
-def sum4(g, a, h, b, k, c, m, d):
-    """Return ``g a + h b + k c + m d``."""
+def sum4(a, h, b, k, c, m, d):
+    """Return ``a + h b + k c + m d``."""
     return (
-        (g * a[0] + h * b[0]) + (k * c[0] + m * d[0]),
-        (g * a[1] + h * b[1]) + (k * c[1] + m * d[1]),
-        (g * a[2] + h * b[2]) + (k * c[2] + m * d[2]),
-        (g * a[3] + h * b[3]) + (k * c[3] + m * d[3]),
+        (a[0] + h * b[0]) + (k * c[0] + m * d[0]),
+        (a[1] + h * b[1]) + (k * c[1] + m * d[1]),
+        (a[2] + h * b[2]) + (k * c[2] + m * d[2]),
+        (a[3] + h * b[3]) + (k * c[3] + m * d[3]),
     )
 
 

@@ -171,8 +171,8 @@ def integrate(state, bearing, steps, gaps, resonator, first, scratch, acc_x, acc
         if smooth:
             # Terms of corrector and next predictor that do not need the new force.
             v0 = sum3(v, h / 2.0, a, h2 / 12.0, j)
-            q0 = sum4(1.0, q, h / 2.0, v, h / 2.0, v0, h2 / 12.0, a)
-            q2 = sum4(1.0, q0, h, v0, h2 / 4.0 * snaps, a, h3 / 12.0 * snaps, j)
+            q0 = sum4(q, h / 2.0, v, h / 2.0, v0, h2 / 12.0, a)
+            q2 = sum4(q0, h, v0, h2 / 4.0 * snaps, a, h3 / 12.0 * snaps, j)
             v2 = sum3(v0, h * snaps, a, h2 / 3.0 * snaps, j)
             a2 = sum3(ZERO, 3.0 * snaps, a, h * snaps, j)
             a1, j1, found, near1 = ring_rates(step, gaps, i, further, faster, ahead, machine)

@@ -230,22 +230,8 @@ class Simulator:
             If a value is out of its range; the state is then unchanged.
 
         """
-        _check_size(n)
-        temperature = check_temperature(temperature)
-        shaft_hz = check_speed(shaft_hz)
-        out, first = np.empty((2, n), dtype=np.float32), self.next_sample
-        snapshot = np.empty(SNAPSHOT_SIZE)
-        _advance(
-            self._motion, self._temperature, self._shaft_hz, temperature, shaft_hz, self.faded,
-            self.seed, first, self.tick, self.tick / self.sample_rate, out, snapshot,
-        )  # fmt: skip
-        self.next_sample += n
-        self._temperature, self._shaft_hz = temperature, shaft_hz
-        return self._block(first, out, snapshot)
-
-    def _block(self, first: int, out: npt.NDArray[np.float32], snapshot: FloatArray) -> Block:
-        describe = functools.partial(condition, self._equations, snapshot)
-        return Block(first_sample=first, x=out[0], y=out[1], describe=describe)
+        outer, hz = check_temperature(temperature), check_speed(shaft_hz)
+        return self._blocks(n, np.array([outer]), np.array([hz]))[0]
 
     def advance_all(
         self, n: int, temperatures: Sequence[float], speeds: Sequence[float]
@@ -266,7 +252,6 @@ class Simulator:
         [True, True]
 
         """
-        _check_size(n)
         outer = np.array(
             [check_temperature(each) for each in one_axis(temperatures, 'temperatures')]
         )
@@ -274,6 +259,11 @@ class Simulator:
         if len(outer) != len(hz):
             msg = f'{len(outer)} temperatures and {len(hz)} speeds; give one of each for a block'
             raise BearingTwinError(msg)
+        return self._blocks(n, outer, hz)
+
+    def _blocks(self, n: int, outer: FloatArray, hz: FloatArray) -> list[Block]:
+        check_whole('n', n)
+        check_range('n', n, 1, _MAX_BLOCK, 'samples')
         count, first = len(outer), self.next_sample
         out = np.empty((count, 2, n), dtype=np.float32)
         snapshots = np.empty((count, SNAPSHOT_SIZE))
@@ -284,7 +274,13 @@ class Simulator:
         self.next_sample += count * n
         if count:
             self._temperature, self._shaft_hz = float(outer[-1]), float(hz[-1])
-        return [self._block(first + i * n, out[i], snapshots[i]) for i in range(count)]
+        return [
+            Block(
+                first_sample=first + i * n, x=x, y=y,
+                describe=functools.partial(condition, self._equations, snapshot),
+            )
+            for i, ((x, y), snapshot) in enumerate(zip(out, snapshots, strict=True))
+        ]  # fmt: skip
 
     def condition(self) -> Condition:
         """State at the next sample."""
@@ -348,11 +344,11 @@ class Simulator:
         if not 0 <= max(next_sample, faded) < 2**62:
             msg = f'saved state holds sample index {max(next_sample, faded)}, outside 0..2^62'
             raise BearingTwinError(msg)
-        values_at = self._evaluate(
-            check_temperature(temperature), temperature, check_speed(shaft_hz)
-        )
-        self._temperature, self._shaft_hz, self.values[:] = temperature, shaft_hz, values_at
-        self._reseed(seed)
+        self._temperature, self._shaft_hz = check_temperature(temperature), check_speed(shaft_hz)
+        self._evaluate()
+        if seed != self.seed:
+            self.seed = seed
+            self._take(self.tables._replace(surfaces=surfaces(self._parameters, seed)))
         self.next_sample = next_sample
         self.state[:] = state
         self.history[:] = history.reshape(self.history.shape)
@@ -423,16 +419,10 @@ class Simulator:
             self.rings, self.drift, self.fade,
         )  # fmt: skip
 
-    def _reseed(self, seed: int) -> None:
-        """Set the seed; this also changes the surfaces."""
-        if seed != self.seed:
-            self.seed = seed
-            self._take(self.tables._replace(surfaces=surfaces(self._parameters, seed)))
-
-    def _evaluate(self, outer: float, inner: float, shaft_hz: float) -> FloatArray:
-        values = np.empty(coefficients.CONDITION_SIZE)
-        coefficients.evaluate(self.constants, outer, inner, shaft_hz, values)
-        return values
+    def _evaluate(self) -> None:
+        """Compute the values at the present speed, with both rings at the temperature."""
+        outer = self._temperature
+        coefficients.evaluate(self.constants, outer, outer, self._shaft_hz, self.values)
 
     def _run_in(self) -> None:
         """Run from equilibrium to the phases of sample 0, without jitter and noise."""
@@ -480,14 +470,14 @@ class Simulator:
 
     def _settle_ring(self) -> None:
         """Set the inner ring to its steady state."""
+        self._evaluate()
         outer, hz = self._temperature, self._shaft_hz
-        self.values[:] = self._evaluate(outer, outer, hz)
         inner_ring.settle(self.constants, self.values, outer, hz, self.rings, self.drift)
 
     def _carry_rings(self) -> None:
         """Continue from the inner ring temperatures with the parameters in use."""
+        self._evaluate()
         outer, hz = self._temperature, self._shaft_hz
-        self.values[:] = self._evaluate(outer, outer, hz)
         inner_ring.carry(self.constants, self.values, outer, hz, self.rings, self.drift, self.tick)
 
 
@@ -576,11 +566,6 @@ def _advance_all(
             first + i * out.shape[2], tick, seconds, out[i], snapshots[i],
         )  # fmt: skip
         was_temperature, was_hz = temperatures[i], speeds[i]
-
-
-def _check_size(n: int) -> None:
-    check_whole('n', n)
-    check_range('n', n, 1, _MAX_BLOCK, 'samples')
 
 
 def _checked(seed: int) -> int:
