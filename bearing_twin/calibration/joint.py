@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from bearing_twin.calibration.answer.estimates import next_ball, spacing_shortfall
+from bearing_twin.calibration.answer.estimates import spacing_shortfall
 from bearing_twin.calibration.answer.impacts import follows_speed, ringing
 from bearing_twin.calibration.answer.refusals import Kind
 from bearing_twin.calibration.answer.result import Estimate, in_words, UNBOUNDED_REASONS
@@ -50,7 +50,7 @@ def corrected_by_speeds(found: Calibration, others: Iterable[Impacts]) -> Calibr
         if refusal is None:
             return found
         # The peak is ringing, so that the other edge may be anywhere.
-        high = next_ball(found.situation)
+        high = found.situation.ball_spacing_mm
         limited = replace(width, q05=0.0, q95=high, identifiable=False, why=refusal.why)
         return _with(found, limited, refusal.kind)
     alike = follows_speed(seen, others)

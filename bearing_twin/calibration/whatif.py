@@ -11,11 +11,12 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.candidates.cloud import FASTEST_HZ, IMPACTS
-from bearing_twin.calibration.candidates.passage import load_range, widest
+from bearing_twin.calibration.candidates.passage import load_range
 from bearing_twin.calibration.fit import sensor_signals
 from bearing_twin.calibration.measured.summaries import summarise
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.machine.dependence import PER_KELVIN, PER_OCTAVE
+from bearing_twin.dynamics.parameters import widest
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np

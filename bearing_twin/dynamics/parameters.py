@@ -26,6 +26,8 @@ THERMAL_MODES: tuple[ThermalMode, ...] = get_args(ThermalMode)
 SLIP_MODELS: tuple[SlipModel, ...] = get_args(SlipModel)
 MAX_DEFECTS = 8
 """Most defects of one bearing."""
+MAX_WIDTH = 10e-3
+"""Width of the widest defect, m."""
 
 MAX_SHAFT_HZ = 500.0
 """Highest shaft speed, Hz."""
@@ -91,6 +93,21 @@ def check_speed(shaft_hz: float) -> float:
     return hertz
 
 
+def widest(bearing: Bearing) -> float:
+    """
+    Return the widest local defect, m: the least of half a ball, 10 mm and the ball spacing.
+
+    Examples
+    --------
+    >>> from bearing_twin.bearing import find_bearing
+    >>> round(widest(find_bearing('6205')) * 1e3, 2)
+    3.97
+
+    """
+    spacing = math.pi * (bearing.d_pitch - bearing.d_ball) / bearing.n_balls
+    return min(spacing, 0.5 * bearing.d_ball, MAX_WIDTH)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Defect:
     """
@@ -128,7 +145,7 @@ class Defect:
 
     place: Place = quantity(..., 'Part of the bearing.', choices=PLACES)
     width: float = quantity(
-        ..., 'Width of the defect along the rolling direction.', 'm', 0.05e-3, 10e-3
+        ..., 'Width of the defect along the rolling direction.', 'm', 0.05e-3, MAX_WIDTH
     )
     depth: float = quantity(..., "Depth of the defect (the paper's C_d0).", 'm', 0.0, 0.5e-3)
     angle: float = quantity(0.0, 'Centre of the defect.', 'rad', -2.0 * math.pi, 2.0 * math.pi)
@@ -432,8 +449,7 @@ class TwinParameters:
                 f'0..{bearing.n_balls - 1}'
             )
             raise BearingTwinError(msg)
-        spacing = math.pi * (bearing.d_pitch - bearing.d_ball) / bearing.n_balls
-        limit = min(spacing, 0.5 * bearing.d_ball)
+        limit = widest(bearing)
         if defect.width > limit:
             msg = (
                 f'{defect.place} defect {defect.width * 1e3:g} mm wide, but the model holds for '

@@ -7,7 +7,7 @@ Coverage of the intervals of a calibration: all tables of docs/calibration.md.
 known truth (:mod:`bearing_twin.studies.calibration_machines`) and adds a line to OUT.jsonl for
 each. An interrupted run continues where it stopped, and longer runs add to shorter ones. Then it
 prints the tables of all lines. These machines set no interval, except CWRU: see
-`candidates.posterior.RESOLVED` and `measured.summaries.RIVAL`.
+`RESOLVED` and `RIVAL` of `measured.summaries`.
 """
 
 from __future__ import annotations

@@ -32,13 +32,13 @@ from bearing_twin.calibration.candidates.passage import (
     interference,
     load_range,
     path_curvature,
-    widest,
 )
 from bearing_twin.calibration.candidates.posterior import weighted_quantile
 from bearing_twin.calibration.measured.path import noise_floor, resonances, STUDENT
 from bearing_twin.calibration.whatif import expect, features
 from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.dynamics import Fleet
+from bearing_twin.dynamics.parameters import widest
 from bearing_twin.recording.signals.signalfile import read_signal
 import numpy as np
 from scipy import signal, stats

@@ -21,10 +21,10 @@ from bearing_twin.calibration.candidates.passage import (
     interference,
     load_range,
     path_curvature,
-    widest,
 )
 from bearing_twin.calibration.joint import passage_width
 from bearing_twin.calibration.measured.summaries import correlate
+from bearing_twin.dynamics.parameters import widest
 from bearing_twin.studies.calibration_machines import (
     drawn_machine,
     drawn_modes,

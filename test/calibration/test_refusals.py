@@ -12,10 +12,10 @@ from bearing_twin.calibration.answer.impacts import gear_mesh
 from bearing_twin.calibration.answer.refusals import half_frequency, Kind, no_impacts, unresolved
 from bearing_twin.calibration.candidates import cloud
 from bearing_twin.calibration.candidates.cloud import Situation
-from bearing_twin.calibration.candidates.passage import widest
 from bearing_twin.calibration.candidates.posterior import without_spacing
 from bearing_twin.calibration.joint import common_width
 from bearing_twin.calibration.measured.summaries import correlate, summarise
+from bearing_twin.dynamics.parameters import widest
 from impact_trains import BEARING, impact_train, RATE, ring
 import numpy as np
 import pytest

@@ -3,10 +3,11 @@
 """What is compared of a record: spacings of impacts, whatever rings and wherever it ends."""
 
 from bearing_twin.calibration.answer.refusals import COPY
-from bearing_twin.calibration.candidates.passage import contact_speed, widest
+from bearing_twin.calibration.candidates.passage import contact_speed
 from bearing_twin.calibration.measured.path import identify
 from bearing_twin.calibration.measured.summaries import fastest_resonance, likeness, summarise
 from bearing_twin.dynamics.equations.sensor_path import band_levels, distance
+from bearing_twin.dynamics.parameters import widest
 from impact_trains import BEARING, impact_train, RATE
 import numpy as np
 import pytest

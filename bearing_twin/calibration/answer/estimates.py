@@ -18,10 +18,10 @@ from bearing_twin.calibration.answer.healthy import (
 from bearing_twin.calibration.answer.refusals import Kind, Refusal
 from bearing_twin.calibration.answer.result import Estimate
 from bearing_twin.calibration.candidates.cloud import MOST_SLIP, unknowns
-from bearing_twin.calibration.candidates.passage import interference, path_curvature, widest
-from bearing_twin.calibration.candidates.posterior import longest_unresolved_spacing
+from bearing_twin.calibration.candidates.passage import interference, path_curvature
 from bearing_twin.calibration.measured.path import noise_floor
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
+from bearing_twin.dynamics.parameters import widest
 import numpy as np
 import numpy.typing as npt
 
@@ -157,13 +157,13 @@ def _width(
         return replace(width, q05=low, q95=high, identifiable=True, why=why)
     if refusal.kind in UNBOUNDED:
         # A defect wider than the distance of two balls always has a ball in it.
-        return replace(width, q05=0.0, q95=next_ball(situation), why=refusal.why)
+        return replace(width, q05=0.0, q95=situation.ball_spacing_mm, why=refusal.why)
     if refusal.kind is Kind.MANY_WIDTHS:
         return replace(width, why=refusal.why)
     # The spacing of any narrower defect is hidden too, whatever the prior assumes.
-    longest = max(longest_unresolved_spacing(measured), refusal.longest_spacing)
+    longest = max(measured.longest_unresolved_spacing, refusal.longest_spacing)
     hidden = longest * situation.speed + _largest_shortfall(situation)
-    high = min(max(width.q95, 1e3 * hidden), next_ball(situation))
+    high = min(max(width.q95, 1e3 * hidden), situation.ball_spacing_mm)
     return replace(width, q05=0.0, q95=high, why=f'at most {high:.2f} mm: {refusal.why}')
 
 
@@ -193,20 +193,6 @@ def of_slip(situation: Situation, measured: float) -> Estimate:
             f'{100.0 * SPEED_ERROR:g} % of it are assumed'
         )
     return Estimate(q05=low, median=situation.slip, q95=high, unit='', identifiable=False, why=why)
-
-
-def next_ball(situation: Situation) -> float:
-    """
-    Return the distance of two balls on the damaged race, mm.
-
-    Examples
-    --------
-    >>> from bearing_twin.calibration.candidates.cloud import example
-    >>> round(next_ball(example()), 1)
-    16.4
-
-    """
-    return 1e3 * situation.speed / situation.impact_rate
 
 
 def spacing_shortfall(situation: Situation, share: float) -> float:
@@ -287,7 +273,7 @@ def without_defect(
         f'{100.0 * confidence:.0f} % show'
     )
     if not math.isfinite(largest):
-        largest = next_ball(replace(situation, place='outer'))
+        largest = replace(situation, place='outer').ball_spacing_mm
         statement = 'a defect of any width may not show'
         why = (
             f'{statement}: of those of {1e3 * widest(situation.bearing):.2g} mm, added to this '

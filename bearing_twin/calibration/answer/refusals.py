@@ -14,9 +14,8 @@ from bearing_twin.calibration.answer.healthy import (
     order_of_the_shaft,
     SLIPPED,
 )
-from bearing_twin.calibration.candidates import posterior
-from bearing_twin.calibration.candidates.passage import widest
 from bearing_twin.calibration.measured.summaries import CLEAR, ELSEWHERE, likeness, RIVAL
+from bearing_twin.dynamics.parameters import widest
 import numpy as np
 
 if TYPE_CHECKING:
@@ -167,11 +166,7 @@ def too_wide(whole: Correlation, situation: Situation, measured: Summary) -> Ref
         clear = farther.prominence > measured.prominence and farther.rival <= RIVAL
         if clear and farther.spacing > situation.longest_spacing:
             apart = apart or farther.spacing
-    if (
-        not apart
-        and measured.shows_two_impacts
-        and measured.spacing >= posterior.resolved(measured)
-    ):
+    if not apart and measured.shows_two_impacts and measured.spacing >= measured.resolved:
         # Intervals of balls vary: two impacts of one ball repeat more clearly than those of two.
         own, reach = measured.spacing, measured.lobe
         next_ball = whole.highest(1.0 / situation.impact_rate, SLIPPED / situation.impact_rate)[0]
@@ -202,7 +197,7 @@ def unresolved(whole: Correlation, measured: Summary, situation: Situation) -> R
     'one_impact'
 
     """
-    shortest = posterior.resolved(measured)
+    shortest = measured.resolved
     if not measured.shows_two_impacts:
         return Refusal(
             Kind.ONE_IMPACT,
@@ -312,11 +307,12 @@ def width_not_determined(left: Posterior, situation: Situation, fastest: float) 
     Examples
     --------
     >>> from bearing_twin.calibration.candidates.cloud import example
+    >>> from bearing_twin.calibration.candidates.posterior import without_spacing
     >>> from bearing_twin.calibration.measured.summaries import summarise
     >>> machine = example()
     >>> noise = np.random.default_rng(1).standard_normal(25600)
     >>> measured = summarise(noise, 12800.0, machine.longest_spacing)
-    >>> left = posterior.without_spacing(measured, machine, candidates=32)
+    >>> left = without_spacing(measured, machine, candidates=32)
     >>> width_not_determined(left, machine, 10.0).kind.value
     'short_passage'
 
@@ -331,6 +327,6 @@ def width_not_determined(left: Posterior, situation: Situation, fastest: float) 
         )
     if left.distance > ALIKE * left.typical:
         return Refusal(Kind.UNLIKE_THE_TWIN, 'no candidate of the twin gives impacts like these')
-    if left.narrowed('defect_width_mm') > NARROWED:
+    if left.narrowed > NARROWED:
         return Refusal(Kind.MANY_WIDTHS, 'defects of many widths give impacts like these')
     return None

@@ -10,9 +10,10 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import fault_frequencies, find_bearing, radial_factor
-from bearing_twin.calibration.candidates.passage import contact_speed, load_range, widest
+from bearing_twin.calibration.candidates.passage import contact_speed, load_range
 from bearing_twin.calibration.measured.summaries import summarise, Summary
 from bearing_twin.dynamics import Defect, Fleet, TwinParameters
+from bearing_twin.dynamics.parameters import widest
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.network import clearance_limits
 import numpy as np
@@ -77,6 +78,11 @@ class Situation:
     def impact_rate(self) -> float:
         """Balls that pass the defect per second."""
         return fault_frequencies(self.bearing, self.shaft_hz, self.slip).impacts(self.place)
+
+    @property
+    def ball_spacing_mm(self) -> float:
+        """Distance of two balls on the damaged race, mm."""
+        return 1e3 * self.speed / self.impact_rate
 
     @property
     def longest_spacing(self) -> float:

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
 
 
-WIDEST = 10e-3
-"""Widest defect that `dynamics.Defect` accepts, m."""
 LOAD_SHARES = 0.003, 0.1
 """Range of the radial load over the dynamic rating if none is given: from a test rig without a
 belt to a machine designed for 1000 million turns (ISO 281: L_10 = (C/P)^3 million turns)."""
@@ -106,21 +104,6 @@ def impact_spacing(width: float, sinking: float, curvature: float) -> float:
 
     """
     return max(0.0, width - 2.0 * math.sqrt(sinking / curvature))
-
-
-def widest(bearing: Bearing) -> float:
-    """
-    Return the widest local defect, m: the least of half a ball, 10 mm and the ball spacing.
-
-    Examples
-    --------
-    >>> from bearing_twin.bearing import find_bearing
-    >>> round(widest(find_bearing('6205')) * 1e3, 2)
-    3.97
-
-    """
-    spacing = math.pi * (bearing.d_pitch - bearing.d_ball) / bearing.n_balls
-    return min(spacing, 0.5 * bearing.d_ball, WIDEST)
 
 
 def load_range(bearing: Bearing, given: tuple[float, float] | None = None) -> tuple[float, float]:

@@ -20,7 +20,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bearing_twin.calibration.candidates.cloud import simulate, unknowns
-from bearing_twin.calibration.candidates.passage import widest
+from bearing_twin.dynamics.parameters import widest
 import numpy as np
 import numpy.typing as npt
 
@@ -34,10 +34,6 @@ FloatArray = npt.NDArray[np.float64]
 WIDTH = 'defect_width_mm'
 KEPT = 0.12
 """Share of the candidates of a round that is kept."""
-RESOLVED = 8.0
-"""Shortest spacing that is distinguished from ringing or rebound of one impact, over the half
-width of an impact after whitening. Set on one rig only, CWRU: its faults of 0.2 to 0.5 mm leave a
-second impact 5 to 6 half widths after the first, at a time that does not follow the speed."""
 PRIOR_DRAWS = 64
 """Candidates drawn from the prior if the vibration tells nothing."""
 LIKE = 0.4
@@ -87,10 +83,10 @@ class Posterior:
             weights=0.5 * np.concatenate([self.weights, other.weights]),
         )
 
-    def narrowed(self, name: str) -> float:
-        """Return the width of the 90 % interval over that of the prior, on the prior's scale."""
-        prior = self.prior[name]
-        low, high = prior.share(self.quantiles(name, (0.05, 0.95)))
+    @property
+    def narrowed(self) -> float:
+        """90 % interval of the width over that of the prior, on the prior's scale."""
+        low, high = self.prior[WIDTH].share(self.quantiles(WIDTH, (0.05, 0.95)))
         return float(high - low) / 0.9
 
 
@@ -195,7 +191,7 @@ def without_spacing(
     """
     Draw from the posterior if no spacing can be determined.
 
-    The spacing is then at most `longest_unresolved_spacing`.
+    The spacing is then at most `Summary.longest_unresolved_spacing`.
 
     Parameters as for :func:`sample`.
 
@@ -213,7 +209,7 @@ def without_spacing(
     """
     prior = unknowns(situation)
     drawn, summaries = _round(situation, prior, candidates, seed)
-    longest = longest_unresolved_spacing(measured)
+    longest = measured.longest_unresolved_spacing
     kept = np.array([not s.shows_two_impacts or s.spacing <= longest for s in summaries])
     if not kept.any():
         kept[:] = True
@@ -256,38 +252,6 @@ def from_prior(situation: Situation, seed: int) -> Posterior:
         distance=math.nan,
         typical=math.nan,
     )
-
-
-def resolved(measured: Summary) -> float:
-    """
-    Return the shortest spacing of two impacts that is distinguished from ringing of one, s.
-
-    Examples
-    --------
-    >>> from bearing_twin.calibration.measured.summaries import summarise
-    >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> resolved(summarise(noise, 12800.0, 5e-3)) < 1e-3
-    True
-
-    """
-    return RESOLVED * measured.lobe
-
-
-def longest_unresolved_spacing(measured: Summary) -> float:
-    """
-    Return the longest spacing that a passage may have if none can be determined, s.
-
-    Examples
-    --------
-    >>> from bearing_twin.calibration.measured.summaries import summarise
-    >>> noise = np.random.default_rng(1).standard_normal(25600)
-    >>> measured = summarise(noise, 12800.0, 5e-3)
-    >>> longest_unresolved_spacing(measured) >= resolved(measured)
-    True
-
-    """
-    seen = (measured.spacing, *measured.rivals) if measured.shows_two_impacts else ()
-    return max(resolved(measured), *seen, 0.0)
 
 
 def _round(

@@ -41,9 +41,13 @@ CLEAR = 3.6
 that peak look like second impacts."""
 FAINTEST = 0.015
 """Least prominence of a peak: a second impact of an eighth of the energy of the first."""
+RESOLVED = 8.0
+"""Shortest spacing that is distinguished from ringing or rebound of one impact, over the half
+width of an impact after whitening. Set on one rig only, CWRU: its faults of 0.2 to 0.5 mm leave a
+second impact 5 to 6 half widths after the first, at a time that does not follow the speed."""
 RIVAL = 0.25
 """Largest prominence of a second spacing over that of the first. Set on CWRU, like
-`posterior.RESOLVED`: spots of 0.18 mm leave a second impact after 2.0 ms at any speed, and another
+`RESOLVED`: spots of 0.18 mm leave a second impact after 2.0 ms at any speed, and another
 one a third as prominent."""
 ELSEWHERE = 1.25
 """Least ratio of two lags that count as different spacings: one peak may be double."""
@@ -129,6 +133,17 @@ class Summary:
     def shows_two_impacts(self) -> bool:
         """Whether a passage shows two impacts."""
         return math.isfinite(self.spacing)
+
+    @property
+    def resolved(self) -> float:
+        """Shortest spacing of two impacts that is distinguished from ringing of one, s."""
+        return RESOLVED * self.lobe
+
+    @property
+    def longest_unresolved_spacing(self) -> float:
+        """Longest spacing that a passage may have if none can be determined, s."""
+        seen = (self.spacing, *self.rivals) if self.shows_two_impacts else ()
+        return max(self.resolved, *seen, 0.0)
 
     def repetitions(self) -> tuple[FloatArray, FloatArray]:
         """Return the lags of all peaks beside zero, s, and their prominences."""
