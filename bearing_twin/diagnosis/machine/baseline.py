@@ -17,6 +17,7 @@ from bearing_twin.diagnosis.machine.dependence import (
     SAME_OCTAVES,
     Z90,
 )
+from bearing_twin.diagnosis.machine.level import FAULT_DB
 from bearing_twin.diagnosis.signal.severity import MEASURES
 from bearing_twin.errors import BearingTwinError
 import numpy as np
@@ -224,13 +225,13 @@ class Memory:
                 return base
         return None
 
-    def has_fallen(self, level: float, now: Condition, by: float) -> bool:
-        """Return whether a level of the whole signal, dB, is ``by`` dB below those so far."""
+    def has_fallen(self, level: float, now: Condition) -> bool:
+        """Return whether a level of the whole signal, dB, is ``FAULT_DB`` below those so far."""
         if self.base:
-            return level <= self.base.levels[0] - by
+            return level <= self.base.levels[0] - FAULT_DB
         speed = self._speed(now)
         known = speed in self.medians and not speed.startswith(_ANY)
-        return known and level <= self.medians[speed][0][0] - by
+        return known and level <= self.medians[speed][0][0] - FAULT_DB
 
     def forget_before(self, time: float) -> None:
         """Drop levels before a time, s, that are in no baseline yet."""

@@ -264,7 +264,7 @@ class SeriesMonitor:
         memory = self._kept.memory
         if not all(law.comparable(now, memory.at) for law in self._laws()):
             return f'another speed than the {2.0**memory.at.octaves:.4g} Hz of the baseline'
-        fallen = memory.has_fallen(level - float(self._changes_at(now)[0][0]), now, FAULT_DB)
+        fallen = memory.has_fallen(level - float(self._changes_at(now)[0][0]), now)
         return _FALLEN if fallen else ''
 
     def _corrections(self, snapshot: _Snapshot, levels: list[float]) -> NDArray[np.float64]:
