@@ -50,20 +50,7 @@ def impact_amplitude(
     deviation = np.abs(acceleration - acceleration.mean())
     period = rate / impact_hz
     edges = np.round(np.arange(int(len(deviation) / period) + 1) * period).astype(int)
-    return mean_of_largest(np.maximum.reduceat(deviation[: edges[-1]], edges[:-1]))
-
-
-def mean_of_largest(maxima: npt.NDArray[np.floating]) -> float:
-    """
-    Mean of the largest 20 % of ``maxima``, in their unit.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> mean_of_largest(np.arange(1.0, 11.0))
-    9.5
-
-    """
+    maxima = np.maximum.reduceat(deviation[: edges[-1]], edges[:-1])
     return float(np.sort(maxima)[-max(1, round(TOP_SHARE * len(maxima))) :].mean())
 
 

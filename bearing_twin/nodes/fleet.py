@@ -70,20 +70,12 @@ SPECS = (
 )  # fmt: skip
 
 
-def verdicts_until(phase: float, slots: int, *, crowded: bool) -> int:
+def _verdicts_until(phase: float, slots: int, *, crowded: bool) -> int:
     """
     Return the slot before which a wake-up at a phase of the block period (0..1) ends its verdicts.
 
     In a row verdicts take less time than after a sleep. But on a ``crowded`` processor, who has
     used it in a row waits for it, and the next block is late.
-
-    Examples
-    --------
-    >>> [verdicts_until(phase, 4, crowded=False) for phase in (0.0, 0.25, 0.5, 0.75)]
-    [3, 3, 3, 4]
-    >>> [verdicts_until(phase, 4, crowded=True) for phase in (0.0, 0.25, 0.5, 0.75)]
-    [1, 2, 3, 4]
-
     """
     own = math.floor(phase * slots + 1e-6) + 1
     return own if crowded else max(own, slots - 1)
@@ -321,7 +313,7 @@ class FleetNode(ManagedNode):
         slot = self._cycle.period / slots
         crowded = self._cycle.punctual <= CROWDED
         # A verdict can wait for a later slot; the next block cannot.
-        end = began + (verdicts_until(phase, slots, crowded=crowded) - phase * slots) * slot
+        end = began + (_verdicts_until(phase, slots, crowded=crowded) - phase * slots) * slot
         while self._verdicts and (begins := time.perf_counter()) + self._verdict_took < end:
             self._verdicts.popleft().judge()
             # Expect the slowest recent verdict, but at most half a slot, so that one always fits.

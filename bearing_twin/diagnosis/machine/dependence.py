@@ -264,7 +264,7 @@ def _regression(
         whole = np.vstack([rows / sigma, np.diag(1.0 / widths)])
         target = np.concatenate([right / sigma, means / widths])
         weights = _weighed(whole, target, widths, beta)[: len(right)]
-        raw = lag_one(y - matrix @ beta)
+        raw = _lag_one(y - matrix @ beta)
         memory = min(max((raw * len(y) + 2.0) / max(len(y) - 4.0, 1.0), 0.0), 0.98)
     precision = (rows * weights[:, None]).T @ rows / sigma**2 + np.diag(widths**-2)
     return beta, np.linalg.inv(precision)
@@ -305,16 +305,8 @@ def _weighed(
     return weights
 
 
-def lag_one(values: NDArray[np.float64]) -> float:
-    """
-    Return a lag-one correlation that is robust to outliers (Gnanadesikan and Kettenring, 1972).
-
-    Examples
-    --------
-    >>> bool(abs(lag_one(np.random.default_rng(0).standard_normal(1000))) < 0.1)
-    True
-
-    """
+def _lag_one(values: NDArray[np.float64]) -> float:
+    """Return a lag-one correlation robust to outliers (Gnanadesikan and Kettenring, 1972)."""
     sums, differences = values[1:] + values[:-1], np.diff(values)
     both, apart = (_median(np.abs(v - _median(v))) ** 2 for v in (sums, differences))
     return (both - apart) / max(both + apart, 1e-12)

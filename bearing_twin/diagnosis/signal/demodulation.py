@@ -135,14 +135,8 @@ class Segment:
 
 
 @functools.lru_cache(maxsize=64)
-def speed_class(shaft_hz: float, classes: int = _CLASSES) -> int:
-    """
-    Return the class of a shaft speed, Hz; classes are a quarter of an octave wide by default.
-
-    >>> speed_class(25.0), speed_class(25.4), speed_class(50.0)
-    (19, 19, 23)
-
-    """
+def _speed_class(shaft_hz: float, classes: int = _CLASSES) -> int:
+    """Return the class of a shaft speed, Hz; there are so many classes in an octave."""
     return math.ceil(classes * math.log2(shaft_hz))
 
 
@@ -177,8 +171,8 @@ def choose_layout(
     (25600, 20, 64.0)
 
     """
-    top = speed_class(_ANGULAR * fastest_hz if fastest_hz else shaft_hz, _RATE_CLASSES)
-    return _layout(sample_rate, stretch, count, bearing, speed_class(shaft_hz), top)
+    top = _speed_class(_ANGULAR * fastest_hz if fastest_hz else shaft_hz, _RATE_CLASSES)
+    return _layout(sample_rate, stretch, count, bearing, _speed_class(shaft_hz), top)
 
 
 @functools.lru_cache(maxsize=64)

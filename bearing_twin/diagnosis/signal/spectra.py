@@ -113,7 +113,7 @@ def floor_levels(power: NDArray[np.float32], width: int) -> tuple[NDArray[np.flo
     return _levels(tiles[..., middle].T, hop).T, offset + hop - 0.5, hop
 
 
-def column_levels(
+def _column_levels(
     power: NDArray[np.float32], width: int
 ) -> tuple[NDArray[np.float32], float, int]:
     """
@@ -121,11 +121,6 @@ def column_levels(
 
     With a Hann window the rows between add no information. Width and bins count all rows; see
     :func:`floor_levels`.
-
-    >>> levels, first, hop = column_levels(np.ones((8192, 3), np.float32), 512)
-    >>> levels.shape, first, hop
-    ((31, 3), 255.0, 256)
-
     """
     hop, blocks, offset = _blocks(-(-len(power) // 2), width // 2)
     medians = _ranked(power, 2 * offset, 2, hop, hop // 2, blocks=blocks)
@@ -349,7 +344,7 @@ def envelope_spectra(
             power = np.empty((count, len(WHITENINGS) * bands), np.float32)
         power_of_lines(part, power, begin)
         begin += columns
-    levels, first, hop = column_levels(power, floor_width)
+    levels, first, hop = _column_levels(power, floor_width)
     room, excess = np.empty(power.size + L, np.float32), np.empty((count, bands), np.float32)
     _over_floor(power, levels, first, hop, room, excess)
     logs = room[: power.size].reshape(power.shape)

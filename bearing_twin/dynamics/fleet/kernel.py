@@ -29,19 +29,6 @@ import numpy.typing as npt
 Array = npt.NDArray[Any]
 
 
-def room_size(oversample: int, memory: int) -> int:
-    """
-    Return the length of the work array; ``memory`` is the state length of a decimator phase.
-
-    Examples
-    --------
-    >>> room_size(1, 0) // L
-    128
-
-    """
-    return CHUNK * 2 * L + oversample * (memory + CHUNK * 2 * L)
-
-
 @compiled()
 def _inputs(ramp, drift, fade, faded, lane, n, at, first, since_tick, oversample):
     """
@@ -108,7 +95,7 @@ def advance_all(
     oversample, h
         Internal steps per output sample; internal step, s.
     room
-        float32[room_size(oversample, (t - 1) * 2 * L)]: work array.
+        float32[tile + oversample * ((t - 1) * 2 * L + tile)]: work array; tile = CHUNK * 2 * L.
     out, begin, n
         float32[2, bearings, samples]: acceleration of the sensors, m/s^2; index in it of the first
         sample; number of samples.

@@ -10,7 +10,6 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.bearing import PLACES
 from bearing_twin.dynamics.equations import coefficients, filters, layout
 from bearing_twin.dynamics.fleet import layout as fl
-from bearing_twin.dynamics.fleet.kernel import room_size
 from bearing_twin.dynamics.fleet.kinematics import first_slot
 from bearing_twin.dynamics.single.condition import MOTION, put_inputs, SNAPSHOT_SIZE
 from bearing_twin.dynamics.single.tables import equations_of
@@ -79,11 +78,11 @@ class Lanes:
         self.taps = padded.reshape(-1, self.oversample).T.ravel().astype(np.float32)
         memory = (len(padded) // self.oversample - 1) * 2 * L
         self.history = aligned((groups, self.oversample, memory), np.float32)
-        self._memory = memory
 
     def room(self) -> Array:
         """Return the work array of one thread."""
-        return aligned((room_size(self.oversample, self._memory),), np.float32)
+        tile = layout.CHUNK * 2 * L
+        return aligned((tile + self.oversample * (self.history.shape[2] + tile),), np.float32)
 
     def update_group_sizes(self, parameters: Sequence[TwinParameters]) -> None:
         """Set the most balls and spalls of each group, and whether it has waviness."""
