@@ -4,12 +4,10 @@ import dataclasses
 import math
 
 from bearing_twin.dynamics import preset, PRESETS, Simulator
-from bearing_twin.dynamics.equations.stability import amplification, check_step
+from bearing_twin.dynamics.equations.stability import amplification, steps
 from bearing_twin.errors import BearingTwinError
 import numpy as np
 import pytest
-
-H = 1.0 / 25600.0
 
 
 @pytest.mark.parametrize('damping', [0.0, 60.0])
@@ -40,7 +38,7 @@ def test_a_motion_that_grows_is_not_only_said_to_be_resolved():
 
 @pytest.mark.parametrize('name', list(PRESETS))
 def test_every_preset_is_resolved(name):
-    check_step(preset(name), H)
+    assert steps(preset(name), 25600.0) in (1, 3)
 
 
 @pytest.mark.parametrize(

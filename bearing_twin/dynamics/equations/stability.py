@@ -104,12 +104,12 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     """
     Return the steps per output sample that resolve the fastest motion.
 
-    This is `filters.least_steps`, or three times as many for stiff or light rings.
-
-    Raises
-    ------
-    BearingTwinError
-        See `check_step`.
+    This is `filters.least_steps`, or three times as many for stiff or light rings. The equations
+    are linearised without contact, and in equilibrium under the load at the temperature with the
+    highest contact stiffness. The step must resolve every mode. It must also be stable at
+    `_OVERLOAD` times the contact stiffness, and at the stiffness under the unbalance at the
+    highest shaft speed. That stiffness is proportional to the cube root of the force, since the
+    contact force is proportional to the power 1.5 of the approach.
 
     Examples
     --------
@@ -132,35 +132,8 @@ def steps(p: TwinParameters, sample_rate: float) -> int:
     return 3 * least
 
 
-def check_step(p: TwinParameters, h: float) -> None:
-    """
-    Raise an error if a step of ``h`` seconds does not resolve the fastest motion.
-
-    The equations are linearised without contact, and in equilibrium under the load at the
-    temperature with the highest contact stiffness. The step must resolve every mode. It must also
-    be stable at `_OVERLOAD` times the contact stiffness, and at the stiffness under the unbalance
-    at the highest shaft speed. That stiffness is proportional to the cube root of the force, since
-    the contact force is proportional to the power 1.5 of the approach.
-
-    Raises
-    ------
-    BearingTwinError
-        The message has the frequency of the fastest mode and the remedy.
-
-    Examples
-    --------
-    >>> from bearing_twin.dynamics import preset
-    >>> check_step(preset('paper'), 1e-5)
-    >>> check_step(preset('paper'), 1e-3)  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    bearing_twin.errors.BearingTwinError: the fastest motion of these parameters is at 548 Hz, ...
-
-    """
-    _check(_motions(p, preloaded=True), h)
-
-
 def _check(motions: _Motions, h: float, *, snaps: bool = True) -> None:
-    """Raise the error of `check_step` if a step of ``h`` s does not resolve ``motions``."""
+    """Raise an error with frequency and remedy if a step of ``h`` s does not resolve motions."""
     matrices = np.array([amplification(k, c, h, snaps=snaps) for _, k, c in motions])
     radii = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
     for index, (radius, (fastest, _, _)) in enumerate(zip(radii, motions, strict=True)):
