@@ -227,8 +227,8 @@ def own_bearing(geometry: str) -> Bearing:
     try:
         count, ball, pitch, *rest = geometry.split(',')
         (angle,) = rest or ['0']
-        degrees = float(angle)
-        numbers = int(count), float(ball) * 1e-3, float(pitch) * 1e-3, math.radians(degrees)
+        degrees, n_balls = float(angle), int(count)
+        d_ball, d_pitch = float(ball) * 1e-3, float(pitch) * 1e-3
     except ValueError:
         msg = (
             f'geometry={geometry!r} is not Z,D_BALL_MM,D_PITCH_MM,ANGLE_DEG; '
@@ -242,13 +242,12 @@ def own_bearing(geometry: str) -> Bearing:
             'below 90; give the angle to the radial plane'
         )
         raise BearingTwinError(msg)
-    n_balls, d_ball, d_pitch, contact_angle = numbers
     return Bearing(
         name=geometry,
         n_balls=n_balls,
         d_ball=d_ball,
         d_pitch=d_pitch,
-        contact_angle=contact_angle,
+        contact_angle=math.radians(degrees),
         source='given by the user',
     )
 

@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from bearing_twin.diagnosis import Diagnosis
-    from bearing_twin.recording.signals.signalfile import Signal
 
 
 OUTCOMES = ('correct', 'wrong', 'suspect', 'ambiguous', 'insufficient', 'missed')
@@ -111,19 +110,20 @@ Judged = tuple[str, bool, str, bool]
 """Trial, whether the machine is damaged, the answer, and whether it is an alarm."""
 
 
-def judge_misled(label: str, bearing: Bearing, signal: Signal, shaft_hz: float) -> list[Judged]:
+def score_misled(case: Case) -> list[Judged]:
     """Return the verdicts with each other bearing of the catalogue, and at other speeds."""
-    x = signal.x[: int(SECONDS * signal.sample_rate)]
-    others = (other for other in catalogue().values() if is_another(other, bearing))
+    signal = read_signal(Path(case.path), channel=case.channel)
+    x, shaft_hz = signal.x[: int(SECONDS * signal.sample_rate)], case.speeds[0][1]
+    others = (other for other in catalogue().values() if is_another(other, case.bearing))
     trials = [('wrong bearing', other, shaft_hz) for other in others]
-    trials += [('speed 3 and 5 % off', bearing, shaft_hz * (1.0 + off)) for off in OFF]
+    trials += [('speed 3 and 5 % off', case.bearing, shaft_hz * (1.0 + off)) for off in OFF]
     judged = []
     for trial, given, hertz in trials:
         said = diagnose_record(x, signal.sample_rate, given, hertz)
         answer = said.result
         if answer in PLACES:
-            answer = ANSWERS[0] if said.faults == (label,) else ANSWERS[1]
-        judged.append((trial, label in PLACES, answer, said.level == 'fault'))
+            answer = ANSWERS[0] if said.faults == (case.label,) else ANSWERS[1]
+        judged.append((trial, case.label in PLACES, answer, said.level == 'fault'))
     return judged
 
 
@@ -322,12 +322,6 @@ def score_case(case: Case, full: bool = False) -> list[Piece]:
                     )
                 )
     return pieces
-
-
-def score_misled(case: Case) -> list[Judged]:
-    """Return the verdicts on a record with wrong bearings and wrong speeds."""
-    signal = read_signal(Path(case.path), channel=case.channel)
-    return judge_misled(case.label, case.bearing, signal, case.speeds[0][1])
 
 
 def run(args: argparse.Namespace) -> int:

@@ -137,10 +137,9 @@ def of_candidates(left: Posterior, why: str) -> dict[str, Estimate]:
 
 
 def _width(
-    of_candidates: Estimate, situation: Situation, measured: Summary, refusal: Refusal | None
+    width: Estimate, situation: Situation, measured: Summary, refusal: Refusal | None
 ) -> Estimate:
     """Return the width of a race defect, from that of the kept candidates, with all allowances."""
-    width = of_candidates
     if refusal is None:
         # The model of the path over an edge may be wrong. The lower bound is therefore at most the
         # distance of the impacts themselves, less the half width of one.
