@@ -18,7 +18,7 @@ To replace the contact law edit `contact_law`. To add a selectable contact law, 
 These parts assume the power 1.5 and do not call `contact_law`:
 
 - the start of Newton's method in `statics.spring_position`, the margin for the unbalance in
-  `stability.check_step` and the substeps in `integrator`: they hold for any power near 1.5;
+  `stability.steps` and the substeps in `integrator`: they hold for any power near 1.5;
 - `life.equivalent_load`, `candidates.passage` and `answer.estimates` of `calibration`, the contact
   pressure (force^(1/3)) in `coefficients` and `reference`, and the unit of K_b in `bearing.hertz`:
   closed formulas for steel on steel; another law needs its own;
