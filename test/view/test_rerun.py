@@ -3,6 +3,7 @@
 """What is drawn, read back from the Rerun files: positions, times, forces, and no failure."""
 
 import math
+import re
 import struct
 from types import SimpleNamespace
 
@@ -19,6 +20,7 @@ from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.logger import RerunLogger
 from bearing_twin.view.rerun.opening import draw_recordings
 from bearing_twin.view.rerun.pictures.bearing3d import SLOWED
+from bearing_twin.view.rerun.pictures.calibration import _words
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.spectra import SpectrumBars, vector
 from bearing_twin.view.rerun.pictures.spectrogram import COLUMNS, ROWS, Spectrogram
@@ -321,6 +323,17 @@ def test_protobuf_of_others_is_a_table_and_no_complaint(tmp_path):
     chunks = [c for c in RrdReader(rrd).stream() if c.entity_path == '/motor']
     rows = [row for c in chunks if c.num_rows == 5 for row in c.to_record_batch().to_pylist()]
     assert [row['Motor:message'][0]['rpm'] for row in rows] == [1500.0 + k for k in range(5)]
+
+
+def test_a_fit_tells_the_defect_first_and_then_what_is_identifiable():
+    names = ['gain', 'noise_floor', 'defect_width_mm']
+    numbers = {name: [1.0, 2.0, 3.0] for name in ('q05', 'median', 'q95')}
+    fit = message(
+        'Calibration', quantity=names, quantity_unit=['', 'm/s^2/sqrt(Hz)', 'mm'],
+        identifiable=[False, True, False], why=['', '', ''], **numbers,
+    )  # fmt: skip
+    rows = re.findall(r'(?m)^\| (\w+) \|', _words(fit))
+    assert rows == ['quantity', 'defect_width_mm', 'noise_floor', 'gain']
 
 
 def test_marks_of_a_fault_go_with_it():

@@ -116,7 +116,10 @@ def _words(message: Any) -> str:
         *(
             f'| {name} | {low:.4g} | {mid:.4g} | {high:.4g} | {unit} '
             f'| {"yes" if identifiable else "no"} | {why} |'
-            for name, low, mid, high, unit, identifiable, why in rows
+            # Only the first rows are seen without scrolling.
+            for name, low, mid, high, unit, identifiable, why in sorted(
+                rows, key=lambda row: (not row[0].startswith('defect'), not row[5])
+            )
         ),
     ]
     return '\n'.join(lines)
