@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import processes
@@ -49,5 +50,5 @@ def run(args: argparse.Namespace) -> int:
     else:
         for claim in claims:
             print(f'{claim.verdict.replace("_", " "):40} {claim.id}')
-        print(f'\n{summary_line(claims)}\nreport: {args.out / "report.md"}')
+        print(f'\n{fill(summary_line(claims), 80)}\nreport: {args.out / "report.md"}')
     return 0
