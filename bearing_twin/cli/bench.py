@@ -13,7 +13,7 @@ import sys
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.terminal import by_level
+from bearing_twin.cli.terminal import by_level, wrapped
 from bearing_twin.errors import BearingTwinError, UsageError
 
 if TYPE_CHECKING:
@@ -170,10 +170,14 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps({**figures, **_machine()}))
         return failed
     width = max(map(len, figures), default=0)
-    print(f'{"figure":<{width}} {"value":>11} {"unit":<9}{"target":<9} meaning')
+    print(f'{"figure":<{width}} {"value":>11} {"unit":<9}target')
     for name, value in figures.items():
         unit, meaning, target = FIGURES.get(name, Figure('', ''))
-        print(f'{name:<{width}} {value:11.5g} {unit:<9}{target:<9} {meaning}'.rstrip())
+        row = f'{name:<{width}} {value:11.5g} {unit:<9}{target:<9}'
+        # A meaning for which 80 columns leave no room is below.
+        beside = len(row) + 1 + len(meaning) <= 80
+        lines = [f'{row} {meaning}'] if beside else [row, *wrapped('   ', meaning)]
+        print('\n'.join(line.rstrip() for line in lines))
     print(', '.join(f'{key} {value}' for key, value in _machine().items()))
     return failed
 
