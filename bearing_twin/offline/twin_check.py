@@ -6,15 +6,17 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from bearing_twin.assets.checkpoints import configuration_values
+from bearing_twin.assets.checkpoints import configuration_values, parameters_of
 from bearing_twin.assets.fleet import build_fleet
+from bearing_twin.assets.parameters.spec import completed
+from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.assets.twin import Twin, TwinInputs
-from bearing_twin.assets.twin_messages import TwinBlock, TwinBytes
+from bearing_twin.assets.twin_messages import REALTIME, TwinBlock, TwinBytes
 from bearing_twin.offline.agreement import Agreement
 from bearing_twin.offline.output import output
 from bearing_twin.stamps import stamp_ns
 from bearing_twin.streams.pacer import Due
-from bearing_twin.thermal.gate import GatedTemperature, TemperatureStatus
+from bearing_twin.thermal.gate import GatedTemperature
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -36,6 +38,8 @@ class Recorded(NamedTuple):
     """Index, time and number of the block."""
     length: int
     inputs: TwinInputs
+    state: tuple[RecordedMessage, Any] | None = None
+    """The twin state after the block, if it was published, and its content."""
 
 
 class TwinCheck:
@@ -75,7 +79,7 @@ class TwinCheck:
         self._sparse = float(configuration_values(checkpoint).get('state_rate', 0.0)) > 0.0
         twin = self._twin
         if twin is not None:
-            same = twin.values == configuration_values(checkpoint)
+            same = twin.values == completed(SPECS, configuration_values(checkpoint))
             if same and twin.save() == bytes(checkpoint.state):
                 return
             what = 'went on from another state' if same else 'was changed'
@@ -103,7 +107,7 @@ class TwinCheck:
         """Take the blocks of another topic, to which the vibration of the twin was remapped."""
         self.topic, self._recorded = other.topic, other._recorded
 
-    def state(self, state: Any) -> None:
+    def state(self, recorded: RecordedMessage, state: Any) -> None:
         """Re-run the block to which this state belongs."""
         self._of_twin = True
         message, self._recorded = self._recorded, None
@@ -117,11 +121,14 @@ class TwinCheck:
             self._lose()
             return
         number = int(state.blocks_published)
-        due = Due(first, stamp_ns(vibration.header.stamp), 0.0, number)
-        used = float(state.temperature_used)
-        temperature = GatedTemperature(used, used, used, 0.0, TemperatureStatus.OK)
+        # Vibration and state have one stamp.
+        due = Due(first, stamp_ns(state.header.stamp), 0.0, number)
+        measured, used = float(state.temperature_measured), float(state.temperature_used)
+        temperature = GatedTemperature(
+            used, measured, measured, float(state.temperature_age), state.temperature_status
+        )
         inputs = TwinInputs(temperature, float(state.shaft_hz))
-        self._take(Recorded(message, due, length, inputs))
+        self._take(Recorded(message, due, length, inputs, (recorded, state)))
 
     def settle(self) -> None:
         """
@@ -140,7 +147,7 @@ class TwinCheck:
             return
         number = last.due.number + (first - last.due.first_sample) // last.length
         due = Due(first, stamp_ns(vibration.header.stamp), 0.0, number)
-        self._take(last._replace(message=message, due=due, length=length))
+        self._take(last._replace(message=message, due=due, length=length, state=None))
 
     def _take(self, block: Recorded) -> None:
         self._last = block
@@ -152,7 +159,7 @@ class TwinCheck:
     def _rerun(self, block: Recorded) -> None:
         if self._pending is not None and int(self._pending.first_sample) == block.due.first_sample:
             self._make()
-            self._twin = Twin(configuration_values(self._pending))
+            self._twin = Twin(completed(SPECS, configuration_values(self._pending)))
             self._twin.load(bytes(self._pending.state))
             self._pending = None
         elif block.due.number != self._published + 1:
@@ -180,9 +187,14 @@ class TwinCheck:
         """Compare a recorded block with the block of the re-run."""
         if block.length not in self._bytes:
             self._bytes = {block.length: TwinBytes(lambda message: output('', message).cdr)}
-        again = self._bytes[block.length].vibration(made, block.due, values)
-        what = f'{self.topic} at sample {block.due.first_sample}'
-        self._agreement.compare(block.message, again, what)
+        twin_bytes, due, at = self._bytes[block.length], block.due, f'at sample {block.due[0]}'
+        again = twin_bytes.vibration(made, due, values)
+        self._agreement.compare(block.message, again, f'{self.topic} {at}')
+        if block.state is not None:
+            message, state = block.state
+            again = twin_bytes.state(made, due, values, {n: getattr(state, n) for n in REALTIME})
+            states = self._result.topics.setdefault(message.topic, Agreement())
+            states.compare(message, again, f'{message.topic} {at}')
 
     def skip(self) -> None:
         """Count a block that cannot be re-run."""
@@ -239,7 +251,9 @@ class FleetCheck:
         ``twin_of`` returns the re-run of the twin in a namespace.
         """
         self.finish()
-        configuration = configuration_values(checkpoint)
+        configured = configuration_values(checkpoint).items()
+        with parameters_of('fleet'):
+            configuration = {name: completed(SPECS, values) for name, values in configured}
         if self._fleet is not None:
             same = configuration == self._configuration
             if same and not self._lost and self._fleet.save() == bytes(checkpoint.state):

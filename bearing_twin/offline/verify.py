@@ -146,7 +146,7 @@ class _Twins:
                 self._source(message).vibration(message)
             elif name == 'twin_state':
                 state = message.decode()
-                self._twin_of_state(namespace, state).state(state)
+                self._twin_of_state(namespace, state).state(message, state)
             elif message.type_name == CHECKPOINT:
                 self._checkpoint(message.topic, message.decode())
         return message

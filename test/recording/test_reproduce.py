@@ -112,9 +112,12 @@ def test_verify_agrees(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result = reproduce(run)
     assert result.identical
     assert result.topics['/vibration'].identical == 12 * 25
+    assert result.topics['/twin_state'].identical == 12 * 25
     assert result.topics['/diagnosis'].identical == 12
     assert main(['verify', str(run)]) == 0
-    assert 'identical to the byte: /diagnosis, /vibration\n' in capsys.readouterr().out
+    assert (
+        'identical to the byte: /diagnosis, /twin_state, /vibration\n' in capsys.readouterr().out
+    )
 
 
 def rewritten(source: Path, target: Path, change: Callable[[Any, bytes], bytes | None]) -> Path:
@@ -142,6 +145,29 @@ def test_one_changed_bit_is_found(run: Path, tmp_path: Path) -> None:
     assert result.topics['/vibration'].different == 1
     assert f'at sample {100 * 1024}' in result.topics['/vibration'].first_difference
     assert main(['verify', str(tmp_path / 'flipped')]) == 1
+
+
+@pytest.mark.parametrize(
+    ('topic', 'field', 'value', 'found'),
+    [
+        ('/vibration', 'header', message_header(1, 'bearing_housing'), '/vibration'),
+        ('/twin_state', 'header', message_header(1, 'bearing_housing'), '/vibration'),
+        ('/twin_state', 'defect', 'outer', '/twin_state'),
+        ('/twin_state', 'life_hours', 1.0, '/twin_state'),
+        ('/twin_state', 'inner_x', 1e-6, '/twin_state'),
+    ],
+)
+def test_a_changed_time_or_state_is_found(
+    run: Path, tmp_path: Path, topic: str, field: str, value: Any, found: str
+) -> None:
+    def change(message: Any, cdr: bytes) -> bytes:
+        if message.topic == topic and message.decode().first_sample == 100 * 1024:
+            return changed(message, **{field: value})
+        return cdr
+
+    result = reproduce(rewritten(run, tmp_path / 'changed', change))
+    assert result.topics[found].different == 1
+    assert f'at sample {100 * 1024}' in result.topics[found].first_difference
 
 
 def test_after_a_loss_it_goes_on_at_the_next_checkpoint(run: Path, tmp_path: Path) -> None:
@@ -438,7 +464,7 @@ def test_a_twin_whose_vibration_was_renamed_beside_a_sensor(
     result = reproduce(target)
     assert result.identical, result
     assert result.topics[name].identical == 12 * 25
-    assert result.topics.keys() == {name}
+    assert result.topics.keys() == {name, '/fan/twin_state'}
     assert any(note.startswith('/fan/vibration: no twin') for note in result.notes)
 
 
@@ -686,7 +712,8 @@ def test_a_fleet_is_reproduced_offline(ros_domain: int, tmp_path: Path) -> None:
         assert nodes.end('recorder') == 0
     result = reproduce(bag)
     vibration = {f'/p1/{name}/vibration' for name in ('pump/right', 'pump/left', 'fan')}
-    assert result.topics.keys() == vibration | {'/p1/pump/right/diagnosis'}
+    states = {name.replace('vibration', 'twin_state') for name in vibration}
+    assert result.topics.keys() == vibration | states | {'/p1/pump/right/diagnosis'}
     assert result.identical, result
     assert all(result.topics[name].identical > 25 for name in vibration)
 

@@ -158,3 +158,8 @@ def configuration(specs: Iterable[Spec], values: Mapping[str, Any]) -> dict[str,
     """
     left_out = {spec.name: spec.default for spec in specs if spec.implied}
     return {n: v for n, v in values.items() if n not in left_out or v != left_out[n]}
+
+
+def completed(specs: Iterable[Spec], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters of a checkpoint with those that :func:`configuration` leaves out."""
+    return {**{spec.name: spec.default for spec in specs if spec.implied}, **values}
