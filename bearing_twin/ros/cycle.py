@@ -138,7 +138,11 @@ class BlockCycle:
         """Return the status of the deadlines for /diagnostics."""
         asleep = time.monotonic() - self._woken
         report = self._pacer.report()
-        jumped, self._steps = report.clock_steps > self._steps, report.clock_steps
+        steps, self._steps = self._steps, report.clock_steps
+        jumped = self._simulated and report.clock_steps > steps
+        still = self._simulated and asleep > STILL_AFTER + self.period
+        # Several clocks that have not jumped may agree.
+        clocks = self._node.count_publishers('/clock') if still or jumped else 1
         return realtime.status(
             report,
             self._statistics,
@@ -147,8 +151,8 @@ class BlockCycle:
             scheduling=self._scheduling,
             active=self._node.active,
             simulated=self._simulated,
-            still=self._simulated and asleep > STILL_AFTER + self.period,
-            clocks=self._node.count_publishers('/clock') if self._simulated and jumped else 0,
+            still=still,
+            clocks=clocks if jumped else min(clocks, 1),
         )
 
     def _now(self) -> int:

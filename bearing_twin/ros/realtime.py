@@ -104,7 +104,8 @@ def status(
         Whether the node publishes, whether /clock paces it, and whether /clock stands still. In
         simulated time the thresholds do not apply, because blocks follow the steps of /clock.
     clocks
-        Number of publishers of /clock, if its time has jumped since the last status.
+        Number of publishers of /clock; 1 while it runs, and while there are more that have not
+        jumped since the last status.
 
     """
     periodicity, execution = cycles.periodicity, cycles.execution_time
@@ -129,6 +130,12 @@ def status(
     kind = ''
     if not active:
         level, texts = Level.OK, ['not active']
+    elif still and not clocks:
+        level = Level.WARN
+        texts = [
+            'nothing publishes /clock, so no blocks are published: start its source, or the node '
+            'without use_sim_time'
+        ]
     elif clocks > 1:
         level, texts = Level.ERROR, [f'{clocks} publishers of /clock, whose times differ: end one']
     elif still:

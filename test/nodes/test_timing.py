@@ -35,7 +35,7 @@ def status_of(began, durations, *, simulated=False):
         active=True,
         simulated=simulated,
         still=False,
-        clocks=0,
+        clocks=1,
     )
 
 
