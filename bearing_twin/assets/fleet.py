@@ -113,6 +113,9 @@ def _table(path: str) -> dict[Any, Any]:
 
 
 def _asset(path: str, name: Any, parts: Any) -> Asset:
+    if isinstance(name, bool):
+        msg = f'{path}: YAML takes the name of an asset for {str(name).lower()}: quote it'
+        raise BearingTwinError(msg)
     parts = {part: {} for part in PARTS} if parts is None else parts
     known = isinstance(parts, dict) and parts
     unknown = sorted({str(part) for part in parts} - set(PARTS)) if known else ['no table']
@@ -128,6 +131,9 @@ def _asset(path: str, name: Any, parts: Any) -> Asset:
         except RecursionError:
             msg = f"{path}: asset '{name}': a table in {part} holds itself; write its values"
             raise BearingTwinError(msg) from None
+    if common := ' and '.join(sorted((chosen['twin'] or {}).keys() & set(SHARED))):
+        msg = f"{path}: asset '{name}': {common} is one for all twins: give it to the fleet, as -p"
+        raise BearingTwinError(msg)
     return Asset(str(name), chosen['twin'], chosen['diagnosis'])
 
 

@@ -246,6 +246,8 @@ def test_a_file_of_assets_takes_nested_tables(tmp_path):
     [
         ('pump: {}\n  fan: {}\n  pump: {}', 'duplicate key pump'),
         ('pümp: {twin: {}}', 'no ROS namespace'),
+        ('on: {twin: {}}', 'takes the name of an asset for true: quote it'),
+        ('pump: {twin: {sample_rate: 5e3}}', 'sample_rate is one for all twins: give it to the'),
         ('pump: {1: 2, twin: {}}', 'may have twin and diagnosis, not 1'),
         ('pump: {}', 'may have twin and diagnosis, not no table'),
         ('pump: {twin: {note: 2026-13-45}}', 'month must be in 1..12'),
