@@ -80,6 +80,8 @@ def check_range(
     try:
         if low <= value <= high:
             return
+        if name.endswith('shaft_hz') and low <= value / 60.0 <= high:
+            remedy = f': {value:g} 1/min are {value / 60.0:.5g} Hz'
         wrong, remedy = f'{value} is outside', f'; choose a value inside{remedy}'
     except (TypeError, ValueError):
         # Text, None, a complex number or an array.

@@ -40,6 +40,17 @@ def assert_ended(ran, status, *texts):
             'twin: load=5.0 is outside 10..50000 N; choose a value inside (0: from the preset)\n',
         ),
         (
+            ['--ros-args', '-p', 'shaft_hz:=1480'],
+            2,
+            'twin: shaft_hz=1480.0 is outside 0..100 Hz; choose a value inside: 1480 1/min are '
+            '24.667 Hz\n',
+        ),
+        (
+            ['--ros-args', '-p', 'defect:=no'],
+            2,
+            'twin: defect=False must be of type str; quote a text twice: defect:="\'no\'"\n',
+        ),
+        (
             ['--ros-args', '-p', 'preset:=dungs'],
             2,
             "twin: preset='dungs' is not one of paper, incipient, mishra2017, sawalhi2008; "

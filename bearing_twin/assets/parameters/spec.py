@@ -53,9 +53,11 @@ class Spec(Quantity):
         texts = not isinstance(value, list) or all(isinstance(item, str) for item in value)
         if type(value) is not kind or not texts:
             wanted = 'list of str' if kind is list else kind.__name__
+            # YAML reads yes, no, on and off as these.
+            text = 'no' if value is False else 'on' if value is True else value
             hints = {
                 # The shell removes one pair of quotes, YAML the other.
-                str: f'quote a text twice: {self.name}:="\'{value}\'"',
+                str: f'quote a text twice: {self.name}:="\'{text}\'"',
                 float: 'write a decimal point and no unit',
                 int: 'write digits alone',
                 bool: 'write true or false',
