@@ -36,9 +36,15 @@ def ending(path: Path) -> str:
     return '.txt' if suffix[1:].isdecimal() else suffix
 
 
-def natural(path: Path) -> list[tuple[int, str]]:
-    """Return a sort key of a file name in which number 2 comes before 10."""
-    words = re.split(r'(\d+)', path.name)
+def natural(name: str) -> list[tuple[int, str]]:
+    """
+    Return a sort key of a name in which number 2 comes before 10.
+
+    >>> sorted(['pump_10', 'pump_9'], key=natural)
+    ['pump_9', 'pump_10']
+
+    """
+    words = re.split(r'(\d+)', name)
     return [(int(word), '') if word.isdecimal() else (-1, word) for word in words]
 
 

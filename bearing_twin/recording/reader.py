@@ -99,7 +99,7 @@ class RecordingInfo:
 def recording_files(path: Path) -> list[Path]:
     """Return the MCAP files of a recording in natural order of their names."""
     try:
-        files = sorted(path.glob('*.mcap'), key=natural)
+        files = sorted(path.glob('*.mcap'), key=lambda file: natural(file.name))
         is_folder, exists = path.is_dir(), path.exists()
     except OSError as error:
         raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None

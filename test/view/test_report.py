@@ -174,11 +174,11 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     both = rewritten(
         recording,
         tmp_path / 'both',
-        rename=lambda topic: [f'/line3/bearing_{k}{topic}' for k in (7, 8)],
+        rename=lambda topic: [f'/line3/bearing_{k}{topic}' for k in (10, 9)],
         until=end,
     )
     machines = machines_of(both)
-    assert list(machines) == ['/line3/bearing_7', '/line3/bearing_8']
+    assert list(machines) == ['/line3/bearing_9', '/line3/bearing_10']
     first, second = machines.values()
     assert first.vibration == second.vibration
     text = report_page(both)
@@ -186,14 +186,14 @@ def test_each_namespace_is_a_machine_of_its_own(recording, tmp_path):
     assert len(elements.ids) == len(set(elements.ids))
     # A name may break between its parts.
     text = text.replace('<wbr>', '')
-    assert 'Machine /line3/bearing_7' in text
-    assert 'Machine /line3/bearing_8' in text
+    assert 'Machine /line3/bearing_9' in text
+    assert 'Machine /line3/bearing_10' in text
     # Pictures of the appendix are of the machine above them.
     appendix = text[text.index('<h1>Appendix</h1>') :]
     heads = [appendix.index(f'>Machine {name}</h2>') for name in machines]
     assert heads[0] < appendix.index('<figure>') < heads[1] < appendix.rindex('<figure>')
     # All verdicts before the first machine.
-    assert text.index('>/line3/bearing_8</a>') < text.index('Machine /line3/bearing_7')
+    assert text.index('>/line3/bearing_10</a>') < text.index('Machine /line3/bearing_9')
 
 
 @pytest.mark.usefixtures('undrawn')

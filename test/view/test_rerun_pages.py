@@ -100,22 +100,30 @@ def test_the_end_of_a_long_name_is_above_its_card(recording, tmp_path):
     )
 
 
-def test_namespaces_are_scenes_of_their_own(recording, tmp_path):
-    rrd = tmp_path / 'fleet.rrd'
+def test_namespaces_are_scenes_of_their_own(recording, tmp_path, monkeypatch):
+    rrd, laid_out = tmp_path / 'fleet.rrd', []
+
+    def noted(scenes, **options):
+        laid_out.append(list(scenes))
+        return layout(scenes, **options)
+
+    monkeypatch.setattr('bearing_twin.view.rerun.logger.layout', noted)
     with RerunLogger(recording_id='fleet', rrd=rrd) as logger:
         for k, message in enumerate(read_messages(recording, topics=['/diagnosis', '/vibration'])):
-            for bearing in ('/line3/bearing_7', '/line3/bearing_8'):
+            for bearing in ('/line3/bearing_10', '/line3/bearing_9'):
                 logger.log(
                     bearing + message.topic, message.type_name, message.decode(), message.log_time
                 )
             if k > 100:
                 break
     entities = {str(chunk.entity_path) for chunk in RrdReader(rrd).stream()}
-    for bearing in ('/line3/bearing_7', '/line3/bearing_8'):
+    for bearing in ('/line3/bearing_10', '/line3/bearing_9'):
         assert f'{bearing}/diagnosis/verdict' in entities
         assert f'{bearing}/vibration/samples/y' in entities
         # On the page of all, and on that of its own.
         assert {f'Verdict: {bearing}', 'Verdict'} <= set(view_names(rrd))
+    # They were heard in another order.
+    assert laid_out[-1] == ['/line3/bearing_9', '/line3/bearing_10']
 
 
 def test_the_pictures_of_the_docs_can_be_taken_anew():

@@ -82,7 +82,7 @@ def series_files(paths: Sequence[Path]) -> list[Path]:
     for path in paths:
         if path.is_dir() and not is_dataset(path):
             inside = (item for item in path.iterdir() if ending(item) in endings)
-            files += sorted(inside, key=natural)
+            files += sorted(inside, key=lambda item: natural(item.name))
         else:
             files.append(path)
     if not files:

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import topics
+from bearing_twin.recording.finding import natural
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcap.catalogue import known_fields
 from bearing_twin.recording.plainyaml import load_plain
@@ -218,7 +219,8 @@ def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machi
         machine.take(message, (message.log_time - start) / NANO)
 
     info, health = examine(path, take)
-    found = {name: machine for name, machine in sorted(machines.items()) if not machine.empty}
+    found = {name: machines[name] for name in sorted(machines, key=natural)}
+    found = {name: machine for name, machine in found.items() if not machine.empty}
     for machine in machines.values():
         _take_fleet(machine, found)
     for name, machine in [*found.items()]:

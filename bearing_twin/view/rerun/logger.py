@@ -16,6 +16,7 @@ import re
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.finding import natural
 from bearing_twin.recording.topics import is_feature
 from bearing_twin.stamps import NANO
 from bearing_twin.view.rerun.blueprint import automatic, layout, pages_of
@@ -271,9 +272,11 @@ class RerunLogger:
         if views == self._laid_out:
             return
         self._laid_out = views
-        titles = {' '.join(filter(None, key)) or '/': scene for key, scene in self._scenes.items()}
         base = next(iter(self._timebases.values()))
         beside = len(self._timebases) > 1
+        # Live they are known in the order in which they are heard.
+        keys = self._scenes if beside else sorted(self._scenes, key=lambda key: natural(key[1]))
+        titles = {' '.join(filter(None, key)) or '/': self._scenes[key] for key in keys}
         blueprint = (
             layout(titles, timeline=base.timeline, side_by_side=beside, page=self._page)
             if base.stamped
