@@ -5,7 +5,8 @@
 #   make test    set up what is missing, then linters, type checks and the tests
 #   make proofs  the figures and the long lives of which make test has a part, in full
 #   make test-jazzy  test the nodes and the recordings on ROS 2 Jazzy, in a venv of its own
-#   make release  test that wheels install, docs build without a warning, the Dockerfile is sound
+#   make release  test that wheels install, docs build without a warning, the Dockerfile is sound,
+#                 and the linters of ament find nothing
 #   make wheels  build the wheels of both packages into dist/
 #   make docs    build the docs as pages into build/docs
 #   make identity MAINTAINER='NAME <MAIL>' URL=https://...   fill in who publishes it
@@ -21,7 +22,7 @@ INSTALL := $(PIP) install --no-compile
 export AMENT_PREFIX_PATH := $(CURDIR)/$(VENV)
 # Hundreds of processes import the same modules. Containers often have Python compile them in each.
 export PYTHONDONTWRITEBYTECODE :=
-PUBLISHED := test/test_wheels.py test/test_docs.py test/test_dockerfile.py
+PUBLISHED := test/test_wheels.py test/test_docs.py test/test_dockerfile.py test/test_ament_linters.py
 # The kernels compile beside the set-up, the linters and, with `make test release`, its tests.
 MAKEFLAGS += --jobs=2
 

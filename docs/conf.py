@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 project = 'bearing_twin'
-copyright = '2026, bearing_twin contributors'
+project_copyright = '2026, bearing_twin contributors'
 version = release = str(ElementTree.parse(ROOT / 'package.xml').findtext('version'))
 extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.napoleon']
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}

@@ -35,10 +35,10 @@ class ForkedNodes(NodeProcesses):
     """The nodes of a test, forked; those that another command runs are started by it."""
 
     def _begin(self, words: list[str], log: BinaryIO) -> subprocess.Popen[bytes]:
-        own = len(COMMAND)
-        if tuple(words[:own]) != COMMAND:
+        given = words[len(COMMAND) :]
+        if words != [*COMMAND, *given]:
             return super()._begin(words, log)
-        return _fork(words[own:], self._environment, log.name, log.name)  # type: ignore[return-value]
+        return _fork(given, self._environment, log.name, log.name)  # type: ignore[return-value]
 
 
 def start_command(*words: object, out: Path, **environment: str) -> Forked:

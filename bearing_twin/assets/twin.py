@@ -84,7 +84,7 @@ class TwinChannel(Inputs):
 
     @property
     def inputs(self) -> TwinInputs:
-        """Inputs of a block that ends now."""
+        """Return the inputs of a block that ends now."""
         now = self.clock()
         return TwinInputs(self.gate.at(now), self.shaft.at(now))
 
@@ -123,17 +123,17 @@ class Twin(TwinChannel):
 
     @property
     def fitted_model(self) -> FittedModel | None:
-        """The calibration in force; None without one."""
+        """Return the calibration in force; None without one."""
         return self.sensor.fitted_model if self.sensor is not None else None
 
     @property
     def calibrations(self) -> tuple[FittedModel | None, FittedModel | None]:
-        """The calibration in force, and the one that begins with the next block."""
+        """Return the calibration in force, and the one that begins with the next block."""
         return self.fitted_model, self._next
 
     @property
     def unit(self) -> str:
-        """Unit of the vibration."""
+        """Return the unit of the vibration."""
         return ACCELERATION if self.fitted_model is None else self.fitted_model.unit
 
     def warm_up(self) -> None:

@@ -93,7 +93,7 @@ class Search:
 
     @property
     def following(self) -> int:
-        """Number of bearings of the next run; 0 if the search has ended."""
+        """Return the number of bearings of the next run; 0 if the search has ended."""
         if not self._runs:
             return FEW
         if self.made == MOST_RUNS:
@@ -110,12 +110,12 @@ class Search:
 
     @property
     def made(self) -> int:
-        """Number of runs so far."""
+        """Return the number of runs so far."""
         return len(self._runs) + len(self._late)
 
     @property
     def claim(self) -> float:
-        """Number of bearings that one core can run."""
+        """Return the number of bearings that one core can run."""
         return min(self._affordable, self.proved / PROVED)
 
     @property

@@ -210,7 +210,7 @@ class Excerpt:
 
     @property
     def samples(self) -> NDArray[np.float64]:
-        """Samples of all stretches."""
+        """Return the samples of all stretches."""
         return np.concatenate([stretch.samples for stretch in self.stretches])
 
     @cached_property
@@ -220,7 +220,7 @@ class Excerpt:
 
     @cached_property
     def sample_count(self) -> int:
-        """Number of samples."""
+        """Return the number of samples."""
         return sum(len(stretch.samples) for stretch in self.stretches) + self.left_over
 
     @property

@@ -96,7 +96,7 @@ class DiagnosisSettings:
 
     @functools.cached_property
     def measured(self) -> DiagnosisSettings:
-        """The same settings for a speed that is measured with the samples."""
+        """Return the same settings for a speed that is measured with the samples."""
         return replace(self, speed_tolerance=self.measured_speed_tolerance)
 
     @functools.cached_property

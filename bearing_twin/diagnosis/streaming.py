@@ -142,12 +142,12 @@ class Cut(NamedTuple):
 
     @property
     def samples(self) -> int:
-        """Samples of a window."""
+        """Return the samples of a window."""
         return self.stretch * self.window
 
     @property
     def interval(self) -> int:
-        """Samples from one update to the next."""
+        """Return the samples from one update to the next."""
         return self.stretch * self.update
 
 

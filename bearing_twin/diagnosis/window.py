@@ -60,7 +60,7 @@ class Window:
 
     @property
     def revolutions(self) -> float:
-        """Turns of the shaft in the window."""
+        """Return the turns of the shaft in the window."""
         return self.seconds * self.speed.shaft_hz
 
     def spectrum(self, sample_rate: float) -> Spectrum:

@@ -101,10 +101,8 @@ def solve(
 
     Parameters
     ----------
-    parameters
-        Parameters of the twin; jitter and noise are ignored.
-    samples
-        Output samples.
+    parameters, samples
+        Parameters of the twin, whose jitter and noise are ignored, and number of samples.
     temperature, shaft_hz
         Outer ring temperature, degC, and shaft speed, Hz; both constant.
     seed
@@ -120,9 +118,9 @@ def solve(
     The kernels agree with the reference:
 
     >>> from bearing_twin.dynamics import preset, Simulator
-    >>> parameters = preset('paper', jitter=0.0, noise=0.0)
-    >>> exact = solve(parameters, 64).y
-    >>> twin = Simulator(parameters).advance(64, 20.0, 25.4).y
+    >>> smooth = preset('paper', jitter=0.0, noise=0.0)
+    >>> exact = solve(smooth, 64).y
+    >>> twin = Simulator(smooth).advance(64, 20.0, 25.4).y
     >>> bool(abs(twin - exact).max() < 1e-3 * abs(exact).max())
     True
 

@@ -43,7 +43,7 @@ class Space:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values of each, in this order."""
+        """Return the number of values of each, in this order."""
         return tuple(len(getattr(self, field.name)) for field in dataclasses.fields(self))
 
     def specs(self) -> list[RunSpec]:

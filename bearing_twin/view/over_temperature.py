@@ -156,7 +156,7 @@ class OverTemperature:
 
     @property
     def strips(self) -> Strips:
-        """Strips at the speed held longest."""
+        """Return the strips at the speed held longest."""
         return self._longest.strips
 
     @property

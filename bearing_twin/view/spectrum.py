@@ -161,7 +161,7 @@ class SpectrumPicture:
 
     @property
     def found(self) -> Comb | None:
-        """The comb that was found, if any."""
+        """Return the comb that was found, if any."""
         return next((comb for comb in self.combs if comb.found), None)
 
     def cut(self, low: float, high: float) -> SpectrumPicture:

@@ -337,7 +337,7 @@ class Headline:
 
     @property
     def worst(self) -> Tally:
-        """The worst sustained verdict. At least one verdict must have been taken."""
+        """Return the worst sustained verdict. At least one verdict must have been taken."""
         tallies = [*self.tallies.values()]
         sustained = [t for t in tallies if t.longest >= SUSTAINED and urgency(t.best)[0]]
         if sustained:

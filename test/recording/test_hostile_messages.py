@@ -152,12 +152,12 @@ def test_the_memory_of_large_arrays_comes_back(ros_domain: int, tmp_path: Path) 
         source.wait_for_subscribers(large, 2)
         source.wait_for_subscribers(other)
         samples = array.array('f', bytes(LARGE))
-        for publisher, message in (
+        for publisher, hostile in (
             (large, Vibration(sample_rate=25600.0, y=samples)),
             (other, Float32MultiArray(data=samples)),
         ):
             for _ in range(3):
-                publisher.publish(message)
+                publisher.publish(hostile)
                 assert publisher.wait_for_all_acked(Duration(seconds=TIMEOUT))
                 source.publish_for(0.05)
         for name in ('diagnosis: vibration input', 'recorder: recording') * 2:

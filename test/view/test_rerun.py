@@ -70,14 +70,14 @@ def test_a_picture_begins_with_the_vibration(recording, tmp_path):
     late, rrd = tmp_path / 'late.mcap', tmp_path / 'late.rrd'
     today = START + 1000 * 86400 * SECOND
     with RecordingWriter(late, WriterOptions()) as writer:
-        for message in read_messages(recording):
+        for recorded in read_messages(recording):
             # Seconds in which the twin compiles, while the sensor and the parameters are there.
-            early = message.topic in ('/temperature', '/twin_checkpoint')
-            if not early and message.log_time > START + 4 * SECOND:
+            early = recorded.topic in ('/temperature', '/twin_checkpoint')
+            if not early and recorded.log_time > START + 4 * SECOND:
                 continue
-            time = message.log_time - START + today + (0 if early else 20 * SECOND)
+            time = recorded.log_time - START + today + (0 if early else 20 * SECOND)
             writer.write(
-                message.topic, message.type_name, message.cdr,
+                recorded.topic, recorded.type_name, recorded.cdr,
                 log_time=time, qos='',
             )  # fmt: skip
     assert draw_recordings([late], rrd) == {}
@@ -411,9 +411,9 @@ def test_nothing_that_a_message_holds_reaches_the_caller(tmp_path):
         '',
     ]
     with RerunLogger(recording_id='odd', rrd=tmp_path / 'odd.rrd') as logger:
-        for message in odd:
+        for recorded in odd:
             for k, type_name in enumerate(types):
-                logger.log(f'/line {k}//x/', type_name, message, SECOND * 100)
+                logger.log(f'/line {k}//x/', type_name, recorded, SECOND * 100)
     assert logger.failed > 20
     assert all(logger.problems.values())
     assert list(RrdReader(tmp_path / 'odd.rrd').stream())

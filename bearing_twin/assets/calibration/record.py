@@ -30,7 +30,7 @@ class Record:
 
     @property
     def newest(self) -> VibrationBlock:
-        """The newest block."""
+        """Return the newest block."""
         return self.blocks[-1]
 
     @property

@@ -101,7 +101,7 @@ class OrderSpectra:
 
     @cached_property
     def off_shaft(self) -> OrderSpectra:
-        """The spectra without the bins at multiples of the shaft."""
+        """Return the spectra without the bins at multiples of the shaft."""
         return replace(self, hidden=self.quiet | self.at_shaft)
 
     def line_power(self, orders: NDArray[np.float64], columns: slice) -> NDArray[np.float32]:

@@ -362,7 +362,7 @@ class HealthyRecord:
 
     @property
     def count(self) -> int:
-        """Number of levels taken."""
+        """Return the number of levels taken."""
         return self.span * len(self.rows)
 
     def add(self, levels: Sequence[float], condition: Condition) -> None:

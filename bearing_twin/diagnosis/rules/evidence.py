@@ -644,12 +644,12 @@ class Evidence:
 
     @property
     def alarms(self) -> tuple[Candidate, ...]:
-        """The leading comb and those of other faults that are strong enough for an alarm."""
+        """Return the leading comb and other faults, where they are strong enough for an alarm."""
         return tuple(c for c in (self.leading, *self.certain_faults) if c.index >= INDEX_FAULT)
 
     @cached_property
     def leading_first(self) -> tuple[Candidate, ...]:
-        """The leading comb, then the certain other faults, then the uncertain ones."""
+        """Return the leading comb, then the certain other faults, then the uncertain ones."""
         unsure = (c for c in self.others if c not in self.certain_faults)
         return (self.leading, *self.certain_faults, *unsure)
 

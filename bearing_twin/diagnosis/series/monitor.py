@@ -95,7 +95,7 @@ class _Snapshot:
 
     @cached_property
     def steady(self) -> NDArray[np.float64]:
-        """Samples without drift, shape (n,)."""
+        """Return the samples without drift, shape (n,)."""
         return without_drift(self.x)
 
     @property

@@ -50,7 +50,7 @@ class RecordedChannel:
 
     @cached_property
     def message_schema(self) -> MessageSchema:
-        """Schema to write with its messages; all of them share one object."""
+        """Return the schema to write with its messages; all of them share one object."""
         return MessageSchema(self.type_name, self.schema, self.type_hash, self.schema_encoding)
 
 

@@ -143,7 +143,7 @@ class RerunLogger:
 
     @property
     def dropped(self) -> int:
-        """Number of marks that live viewers miss because one of them did not keep up."""
+        """Return the number of marks that live viewers miss, as one of them did not keep up."""
         return self._served.dropped if self._served is not None else 0
 
     def log(
