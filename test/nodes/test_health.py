@@ -74,7 +74,7 @@ def test_trouble_with_the_temperature_is_logged_once_and_so_is_its_end(nodes, pr
     found = re.findall(r'\[(\w+)\].*temperature input: (.*) \(before, for (\d+) s: ', log)
     assert [(level, text.split(':')[0]) for level, text, _ in found] == [
         ('WARN', 'temperature is NaN or impossible'),
-        ('WARN', 'temperature is outside 20..110 degC'),
+        ('WARN', 'temperature 150 degC is outside 20..110 degC'),
         ('INFO', 'temperature is fresh'),
         *3 * [('WARN', 'temperature is stale')],
     ]
