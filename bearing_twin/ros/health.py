@@ -31,6 +31,9 @@ TOPICS = 16
 RIVAL_AFTER = 30.0
 """Time after which a second node of one name, or a second publisher of one topic, counts: a killed
 one stays known for 20 s."""
+START = 10.0
+"""Time for which a part is not OK from the start on after which that is logged, s; of parts of a
+fleet in one state, one is."""
 NUMBER = re.compile(r'[-+]?\d[\d.e+-]*|\bnan\b|\binf\b')
 
 
@@ -90,6 +93,7 @@ class Health:
         self.hardware_id = hardware_id.strip('/') or node.get_name()
         self._node = node
         self._spells: dict[str, _Spell] = {}
+        self._told: set[tuple[Level, str]] = set()
         self._unique = time.monotonic()
         self._shared: dict[str, float] = {}
         self._reserves = Reserves(node)
@@ -199,10 +203,15 @@ class Health:
         now = time.monotonic()
         former = self._spells.get(part)
         if former is not None and former.key == key:
+            lasts = former.first and now - former.began > START
+            if lasts and status.level is not Level.OK and key not in self._told:
+                self._told.add(key)
+                self._write(status.level, f'{part}: {status.message} (since the start)')
             return
         self._spells[part] = _Spell(key, status.message, now, former is None)
-        if former is None or (status.level is Level.OK and former.first):
-            # The first states of a node are not logged.
+        silent = former is None or (former.first and former.key not in self._told)
+        if former is None or (status.level is Level.OK and silent):
+            # The first states of a node are logged only if they last.
             return
         if status.level is Level.OK and former.key[0] is Level.OK:
             return
@@ -210,10 +219,13 @@ class Health:
         alike = former.message == status.message
         was = former.key[0].name if alike else former.message
         text = f'{part}: {status.message} (before, for {now - former.began:.0f} s: {was})'
+        self._write(status.level, text)
+
+    def _write(self, level: Level, text: str) -> None:
         logger = self._node.get_logger()
-        if status.level is Level.ERROR:
+        if level is Level.ERROR:
             logger.error(text)
-        elif status.level is Level.OK:
+        elif level is Level.OK:
             logger.info(text)
         else:
             logger.warning(text)

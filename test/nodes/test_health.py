@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What changes on /diagnostics is in the terminal too, once."""
 
-from itertools import repeat
+from itertools import count, repeat
 import math
 import re
 import time
@@ -111,6 +111,25 @@ def test_a_lost_input_and_a_changed_level_are_logged_once_with_the_time(node, ca
         ('ERROR', 'bearing: inner (before, for a while: WARN)'),
         ('INFO', 'bearing: vibration is fresh (before, for a while: inner)'),
     ]
+
+
+def test_what_is_wrong_from_the_start_is_logged_once_when_it_lasts(node, capfd, monkeypatch):
+    now_is = [Status(Level.STALE, 'no samples yet: set source to imu', {})]
+    now_is_of_fan, now = now_is[0], count()
+    monkeypatch.setattr(time, 'monotonic', lambda: float(next(now) // 3))
+    health = Health(node, '')
+    health.add('input', lambda: now_is[0])
+    # Another bearing of a fleet, which stays so.
+    health.add('fan input', lambda: now_is_of_fan)
+    health.add('bearing', lambda: Status(Level.OK, 'fine', {}))
+    for _ in range(40):
+        health.publish()
+    now_is[0] = Status(Level.OK, 'fresh', {})
+    health.publish()
+    logged = [line.partition(']: ')[2] for line in capfd.readouterr().err.splitlines()]
+    begun = 'input: no samples yet: set source to imu (since the start)'
+    ended = 'input: fresh (before, for a while: no samples yet: set source to imu)'
+    assert [re.sub(r'for \d+ s', 'for a while', said) for said in logged] == [begun, ended]
 
 
 @pytest.mark.parametrize(
