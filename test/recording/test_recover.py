@@ -18,7 +18,11 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import outfile
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcap import catalogue
-from bearing_twin.recording.mcap.mcapfile import BrokenRecording, UnfinishedRecording
+from bearing_twin.recording.mcap.mcapfile import (
+    BrokenRecording,
+    RECORD_HEAD,
+    UnfinishedRecording,
+)
 from bearing_twin.recording.mcap.messages import in_file_order, Selection
 from bearing_twin.recording.mcap.schema import MessageSchema
 from bearing_twin.recording.outfile import MOST_CHANNELS
@@ -29,6 +33,7 @@ from bearing_twin.recording.signals.signalfile import read_signal
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from cases import in_proofs
 from copies import raw_recording
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Channel
 from mcap.writer import Writer
@@ -154,6 +159,21 @@ def test_one_flipped_bit_costs_one_chunk(
         if lost:
             assert report.losses, at
             assert 0.9 * min(lengths) < report.lost_bytes < 2 * max(lengths), at
+
+
+def test_a_channel_of_the_summary_that_looks_like_a_message_is_none(tmp_path: Path) -> None:
+    path = tmp_path / 'run.mcap'
+    write_blocks(path, 60)
+    content = path.read_bytes()
+    at, channels = content.index(RECORD_HEAD.pack(Opcode.DATA_END, 4)) + 13, 0
+    while content[at] != Opcode.FOOTER:
+        if content[at] == Opcode.CHANNEL:
+            kept, report = kept_of(flipped(content, at, 0), tmp_path)
+            assert kept == 120
+            assert any('a message in the summary' in loss for loss in report.losses)
+            channels += 1
+        at += 9 + RECORD_HEAD.unpack_from(content, at)[1]
+    assert channels == 2
 
 
 @pytest.mark.parametrize('finished', [True, False])

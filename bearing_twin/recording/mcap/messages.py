@@ -25,7 +25,7 @@ from bearing_twin.recording.mcap.mcapfile import (
     record_at,
 )
 from bearing_twin.recording.mcap.salvage import sound_records
-from bearing_twin.recording.mcap.summary import chunk_index, summary_records
+from bearing_twin.recording.mcap.summary import chunk_index, summary_begin, summary_records
 from mcap.opcode import Opcode
 import numpy as np
 
@@ -187,7 +187,7 @@ def in_file_order(
             lost[identity] = (messages + 1, octets + MESSAGE_HEAD.size + len(cdr))
         return channel
 
-    everything = keep == Selection()
+    everything, summary = keep == Selection(), summary_begin(file, size)
     wanted = (*DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK, *(EXTRAS if extra else ()))
     for raw, data in sound_records(chunks, wanted, damaged):
         try:
@@ -197,6 +197,9 @@ def in_file_order(
             if raw.opcode in DEFINITIONS:
                 catalogue.learn(raw.opcode, data, raw.offset)
                 continue
+            if raw.opcode == Opcode.MESSAGE and raw.offset >= summary:
+                msg = 'a message in the summary: the kind of the record is damaged'
+                raise BrokenRecording(msg, raw.offset)
             for opcode, at, length in chunks.records(data, raw.offset):
                 if opcode == Opcode.MESSAGE:
                     identity, log_time, publish_time = message_head(data, at, length, raw.offset)

@@ -69,6 +69,21 @@ def summary_place(file: BinaryIO, size: int) -> tuple[int, int]:
     return start, end
 
 
+def summary_begin(file: BinaryIO, size: int) -> int:
+    """Return the first byte of the summary section, be it damaged; ``size`` if none is known."""
+    end, head = size - FOOTER_LENGTH - len(MAGIC), RECORD_HEAD.pack(Opcode.DATA_END, 4)
+    try:
+        tail = read_at(file, end, FOOTER_LENGTH) if end >= len(MAGIC) else b''
+        if tail[:9] != RECORD_HEAD.pack(Opcode.FOOTER, 20):
+            return size
+        # The footer may be damaged as well: a summary begins behind the end of the data.
+        (start,) = struct.unpack_from('<Q', tail, 9)
+        before = start - len(head) - 4
+        return start if 0 < before < end and read_at(file, before, len(head)) == head else size
+    except BrokenRecording:
+        return size
+
+
 def summary_records(
     file: BinaryIO, size: int, wanted: Collection[int]
 ) -> Iterator[tuple[RawRecord, bytes]]:
