@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+import json
 import math
 import os
 import signal
@@ -118,6 +119,22 @@ def test_verify_agrees(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (
         'identical to the byte: /diagnosis, /twin_state, /vibration\n' in capsys.readouterr().out
     )
+
+
+def test_diagnose_takes_the_speed_of_a_recording_as_the_node_does(
+    schedule: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is exact. With a nominal speed an outer race may be three impacts a turn."""
+    twin = {'defect': 'outer', 'thermal_mode': 'physical'}
+    run_offline(schedule, tmp_path / 'run', twin=twin)
+    told = [m.decode().result_name for m in read_messages(tmp_path / 'run', topics=['/diagnosis'])]
+    words = ('diagnose', str(tmp_path / 'run'), '--bearing', '6307', '--json')
+    said = []
+    for nominal in ([], ['--shaft-hz', '25.4']):
+        assert main([*words, *nominal]) == 0
+        said.append(json.loads(capsys.readouterr().out)['result'])
+    assert told[-1] == 'outer'
+    assert said == ['outer', 'ambiguous']
 
 
 def rewritten(source: Path, target: Path, change: Callable[[Any, bytes], bytes | None]) -> Path:

@@ -40,8 +40,12 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
         bearing = task.bearing or signal.bearing or named_bearing(signal.bearing_name)
         shaft_hz = signal.speeds if len(signal.speeds) else signal.shaft_hz
+        settings = task.settings
         if math.isfinite(task.shaft_hz):
             shaft_hz = task.shaft_hz
+        elif signal.speed_measured and task.speed_tolerance is None:
+            # As the node takes it.
+            settings = settings.measured
         diagnosis = diagnose_record(
             signal.x,
             signal.sample_rate,
@@ -50,7 +54,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
             speed_tolerance=task.speed_tolerance,
             unit=task.unit or signal.unit,
             temperature=signal.temperature,
-            settings=task.settings,
+            settings=settings,
         )
         if task.plot and diagnosis.spectrum.values.size:
             from bearing_twin.cli.plots import draw_diagnosis

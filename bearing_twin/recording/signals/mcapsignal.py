@@ -170,7 +170,11 @@ def _from_vibration(
         speeds.add(np.full(samples.size, float(block.shaft_hz)))
     if repeated:
         problems.append(f'{repeated} blocks with the samples of the block before')
-    return {**found, 'shaft_hz': speeds.longest() if found else math.nan}
+    return {
+        **found,
+        'shaft_hz': speeds.longest() if found else math.nan,
+        'speed_measured': np.array(True),
+    }
 
 
 def _from_single(

@@ -89,6 +89,8 @@ class Signal:
     """File, chosen channel and remarks on the choice."""
     bearing: Bearing | None = None
     """Bearing by the fault orders in the file; None if it has none."""
+    speed_measured: bool = False
+    """Whether the speed comes with each block of samples, as in a recording."""
 
 
 def read_signal(
@@ -172,6 +174,7 @@ def read_signal(
         label=_text(found, 'label'),
         source=f'{path}{where}',
         bearing=orders if isinstance(orders := found.get('bearing'), Bearing) else None,
+        speed_measured=bool(found.get('speed_measured', False)),
     )
 
 
