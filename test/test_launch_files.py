@@ -98,6 +98,7 @@ def test_a_twin_waits_for_the_recorder_that_is_started_beside_it(name, recorded,
         ('twin', {'shaft_hz': 'fast'}, 'shaft_hz:=fast must be of type float'),
         ('twin', {'rerun_port': '98.5'}, 'rerun_port:=98.5 must be of type int'),
         ('fleet', {'record': 'maybe'}, 'record:=maybe must be of type bool'),
+        ('twin', {'record': 'yes'}, 'record:=yes is not one of true, false, 1, 0'),
     ],
 )
 def test_arguments_that_cannot_be_used_are_refused(name, arguments, said):

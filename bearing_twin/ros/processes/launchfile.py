@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 
 PACKAGE = 'bearing_twin'
+TRUTHS = ('true', 'false', '1', '0')
+"""Values of an argument that decides whether a node is started."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,11 @@ def launch_description(
         if file and not Path(file).is_file():
             msg = f'params_file:={file} is no file; the path is taken from where launch is started'
             raise BearingTwinError(msg)
+        for name in conditions.values():
+            # launch itself would not say which argument it means.
+            if texts[name].lower() not in TRUTHS:
+                msg = f'{name}:={texts[name]} is not one of {", ".join(TRUTHS)}'
+                raise BearingTwinError(msg)
         started = []
         for executable, names in nodes.items():
             chosen = {name: given[name] for name in (*names, 'use_sim_time') if name in given}
