@@ -20,7 +20,7 @@ from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import CHECKPOINT, RESULT, STREAM
-from bearing_twin.ros.topics.raw import offered_qos_yaml, SUBSCRIPTION_DEPTH
+from bearing_twin.ros.topics.raw import check_topic_name, offered_qos_yaml, SUBSCRIPTION_DEPTH
 from bearing_twin.ros.topics.rawsubscriptions import RawSubscriptions, TopicChoice
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.arrival import ArrivalTimes, MessageNumbers, MOST_HEARD
@@ -61,8 +61,10 @@ class RecorderNode(ManagedNode):
         super().__init__('recorder', SPECS)
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Refuse invalid regular expressions."""
+        """Refuse invalid regular expressions and names of topics."""
         TopicChoice(values, set())
+        for topic in filter(None, values['topics']):
+            check_topic_name(topic, f"topics='{topic}'")
 
     def setup(self) -> None:
         """Open the recording; warn of unfinished recordings from earlier crashes."""

@@ -19,12 +19,10 @@ from bearing_twin.recording.player import Player
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import RESULT
-from bearing_twin.ros.topics.raw import message_class, replay_qos
+from bearing_twin.ros.topics.raw import check_topic_name, message_class, replay_qos
 from bearing_twin.wholefile import given_path
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException
-from rclpy.expand_topic_name import expand_topic_name
-from rclpy.validate_full_topic_name import validate_full_topic_name
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:
@@ -325,11 +323,7 @@ def remapping(rules: list[str]) -> dict[str, str]:
         recorded, separator, new = rule.partition(':=')
         if not (recorded and separator and new):
             raise BearingTwinError(f"remap='{rule}' does not read 'recorded:=new'")
-        try:
-            validate_full_topic_name(expand_topic_name(new, 'replay', '/'))
-        except (ValueError, NameValidationException) as error:
-            reason = str(error).partition(', at ')[0].splitlines()[0].rstrip(':')
-            raise BearingTwinError(f"remap='{rule}': {reason}") from None
+        check_topic_name(new, f"remap='{rule}'")
         names[recorded] = new
     return names
 

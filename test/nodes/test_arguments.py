@@ -153,6 +153,7 @@ def test_a_command_that_is_refused_ends_with_2_and_one_that_lacks_a_file_with_1(
         (2, ['recorder', 'output:=/']),
         (2, ['recorder', 'output:=a.mcap', 'max_bag_duration:=1.0']),
         (2, ['recorder', 'output:=a', 'delete_oldest:=true']),
+        (2, ['recorder', 'output:=a', 'topics:=["/a b"]']),
         (1, ['replay', 'recording:=missing.mcap']),
         (1, ['recorder', 'output:=/proc/a']),
     ],

@@ -11,7 +11,10 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.schema import message_schema
 from bearing_twin.recording.qos import qos_profile, qos_yaml, read_qos
 from bearing_twin.ros.topics.qos import DEEPEST, profile
+from rclpy.exceptions import NameValidationException
+from rclpy.expand_topic_name import expand_topic_name
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,6 +24,15 @@ if TYPE_CHECKING:
 
 SUBSCRIPTION_DEPTH = 500
 """Messages queued while a slow disk delays the recorder: 20 s of blocks of 40 ms."""
+
+
+def check_topic_name(name: str, what: str) -> None:
+    """Refuse the name of a topic that ROS cannot have; ``what`` names the value in the error."""
+    try:
+        validate_full_topic_name(expand_topic_name(name, 'node', '/'))
+    except (ValueError, NameValidationException) as error:
+        reason = str(error).partition(', at ')[0].splitlines()[0].rstrip(':')
+        raise BearingTwinError(f'{what}: {reason}') from None
 
 
 def message_class(type_name: str) -> Any:
