@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 1023
+_VERSION = 1024
 _LARGEST = 64 * 1024 * 1024
 """Largest unpacked size of a saved state, bytes: 5000 points are 2 MB."""
 _SOONER = 0.75
@@ -231,6 +231,8 @@ class SeriesDiagnoser:
             'ended': self._ended,
             'last': self._last,
             'next': self._next,
+            # Not loaded: it tells a re-run that a snapshot was begun, or given up.
+            'held': self._held,
         }
         # Compressed: most orders of most bands are zero, and points repeat their texts.
         return zlib.compress(pack(_VERSION, {'series': values, **own}, arrays), 1)
