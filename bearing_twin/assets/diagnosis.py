@@ -85,7 +85,7 @@ class DiagnosisCore:
         """Shaft speed by parameter, used if none is measured, Hz; NaN if it is not set."""
         self.rate_problem = ''
         """How declared sample rate and stamps contradict each other; '' if they do not."""
-        self._rate_meter = RateMeter()
+        self._rate_meter, self._declared = RateMeter(), 0.0
         self._repeat = RepeatCheck()
         self._former: VibrationBlock | None = None
 
@@ -142,6 +142,9 @@ class DiagnosisCore:
         """
         if self._repeat.repeats(block.samples):
             raise BearingTwinError(REPEATED)
+        if block.sample_rate != self._declared:
+            # A source that was set to another rate: the former one says nothing of it.
+            self._rate_meter, self._declared = RateMeter(), block.sample_rate
         self._rate_meter.take(block.first_sample, block.stamp)
         problem = self._rate_meter.problem(block.sample_rate)
         self.rate_problem = problem.text if problem else ''

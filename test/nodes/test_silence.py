@@ -114,3 +114,22 @@ def test_a_verdict_that_waits_is_published_before_the_next_one_and_before_a_chan
     assert published == [0, 0, 0, 0]
     topics.judge()
     assert len(published) == 4
+
+
+def test_a_sensor_that_is_set_to_another_rate_is_diagnosed_on(here):
+    """Neither is it refused for a while, nor is a rate told that it does not have any more."""
+    node = here(DiagnosisNode, shaft_hz=25.4, window=2.0)
+    for trigger in (node.trigger_configure, node.trigger_activate):
+        assert trigger() is TransitionCallbackReturn.SUCCESS
+    topics, rng = node._topics, np.random.default_rng(0)
+    index, stamp = 0, EPOCH * NANO
+    for second in range(48):
+        rate = RATE // 2 if 20 <= second < 40 else RATE
+        # After 40 s the sensor sends half as many samples as it says.
+        sent = rate // 2 if second >= 40 else rate
+        message = block(0, rng.standard_normal(sent), sample_rate=float(rate))
+        message.first_sample, message.header.stamp = index, Time(nanoseconds=stamp).to_msg()
+        index, stamp = index + sent, stamp + NANO
+        topics.take(message)
+        assert topics._intake.refused == 0 or second >= 40
+    assert f'{RATE // 2} samples a second arrive' in topics.input_status().message
