@@ -330,10 +330,10 @@ class AdapterNode(ManagedNode):
         if now - self._empty <= SILENT_AFTER:
             empty = ': the arrays received are empty, check sensor and driver'
         if math.isnan(age):
-            text = f'no samples yet{empty}'
+            text = 'no samples yet'
             if self.active:
                 text = with_mismatch_reasons(self, self._input, text, REMEDIES)
-            return Level.STALE, text
+            return Level.STALE, f'{text}{empty}'
         if age > intake.silent_after:
             return Level.STALE, f'no samples for {age:.1f} s{empty}'
         if trouble := intake.trouble(now):

@@ -196,12 +196,12 @@ def test_a_second_publisher_of_a_topic_is_told(here, nodes, probe, monkeypatch):
         )
         return status.level, status.message
 
-    assert until_told('no vibration') == (Level.STALE.value, 'no vibration yet')
+    assert until_told('no vibration') == (Level.STALE.value, 'no vibration yet on /vibration')
     # Its own topics are not those of the first one, but the verdicts.
     second = ('-r', '__ns:=/line2', '-r', 'diagnosis:=/diagnosis')
     nodes.start('diagnosis', {}, ros=second)
     _, message = until_told('/line2/diagnosis publishes on /diagnosis, too: end it')
-    assert message.endswith('namespace; no vibration yet')
+    assert message.endswith('namespace; no vibration yet on /vibration')
     nodes.start('diagnosis', {}, name='third', ros=('-r', '__node:=third'))
     until_told('/line2/diagnosis, /third publishes on /diagnosis and ')
     assert probe.change_state('third', 'deactivate')

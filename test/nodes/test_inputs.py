@@ -455,7 +455,8 @@ def test_why_a_publisher_is_not_heard_is_told(here):
         each.trigger_configure()
         each.trigger_activate()
     vibration, samples = node._topics.input_status, adapter._input_status
-    assert (vibration().message, samples().message) == ('no vibration yet', 'no samples yet')
+    assert vibration().message == 'no vibration yet on /vibration'
+    assert samples().message == 'no samples yet on /samples'
     other = rclpy.Context()
     other.init()
 

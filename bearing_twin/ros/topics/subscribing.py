@@ -106,7 +106,7 @@ def with_mismatch_reasons(
     remedies: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """
-    Return ``text``, with the reasons why messages of existing publishers cannot arrive.
+    Return ``text`` with the topic, and the reasons why messages of its publishers cannot arrive.
 
     ``remedies`` tells for other types than the one subscribed to what to do.
     """
@@ -126,15 +126,14 @@ def with_mismatch_reasons(
                 f'the QoS of its publisher does not match ({why.strip(" ;")}): set qos_overrides.'
                 f'{subscription.topic_name}.subscription.reliability to best_effort'
             )
-    where = f' on {subscription.topic_name}: ' if reasons else ''
-    return f'{text}{where}{"; ".join(dict.fromkeys(reasons))}'
+    why = '; '.join(dict.fromkeys(reasons))
+    return f'{text} on {subscription.topic_name}{why and f": {why}"}'
 
 
 def unheard(node: Node, subscription: Subscription[Any]) -> str:
     """Return "not heard" and why, as `with_mismatch_reasons` says; '' if there is no reason."""
-    text = 'not heard'
-    said = with_mismatch_reasons(node, subscription, text)
-    return said if said != text else ''
+    said = with_mismatch_reasons(node, subscription, 'not heard')
+    return said if ': ' in said else ''
 
 
 def validated(
