@@ -37,6 +37,8 @@ PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
 LONG_WAIT = 60.0
 """Shortest wait for the next message that is logged, s."""
+SHARED = {'/diagnostics', '/parameter_events', '/rosout'}
+"""Topics that every node publishes."""
 MOST_AT_ONCE = 100
 """Most messages to publish before services and parameters get a turn."""
 
@@ -299,7 +301,20 @@ class ReplayNode(ManagedNode):
         if self._left_out:
             return Status(Level.WARN, f'{len(self._left_out)} topics are left out', values)
         state = 'at the end' if player.finished else 'paused' if player.paused else 'playing'
+        if live := self._live():
+            text = (
+                f'{state}; {live} published by other nodes, too: end these, or use remap or topics'
+            )
+            return Status(Level.WARN, text, values)
         return Status(Level.OK, state, values)
+
+    def _live(self) -> str:
+        """Return which replayed topics other nodes publish, with a verb; '' if they do not."""
+        names = {publisher.topic_name for publisher in self._topics.values()} - SHARED
+        live = sorted(name for name in names if self.count_publishers(name) > 1)
+        if not live:
+            return ''
+        return f'{live[0]} and {len(live) - 1} more are' if live[1:] else f'{live[0]} is'
 
 
 def _check_definition(topic: TopicInfo) -> None:

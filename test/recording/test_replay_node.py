@@ -12,8 +12,10 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
+from bearing_twin_msgs.msg import Vibration
 from forked import ForkedNodes, run_command
 import pytest
+import rclpy
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, TEMPERATURE, temperature_cdr, write_blocks
 from std_srvs.srv import Trigger
@@ -130,6 +132,27 @@ def test_recorded_time_stands_while_nothing_plays_and_a_pause_costs_nothing(
     replay.shut_down()
     # Twice a second, and not whenever it can.
     assert len(looked) < 20
+
+
+def test_a_topic_that_is_live_is_told(here: Callable[..., Any], tmp_path: Path) -> None:
+    write_blocks(tmp_path / 'run', 5)
+    replay = here(
+        ReplayNode, recording=str(tmp_path / 'run'), start_paused=True, subscriber_timeout=0.0
+    )
+    replay.trigger_configure()
+    assert replay._status().message == 'paused'
+    other = rclpy.create_node('sensor')
+    live = other.create_publisher(Vibration, '/vibration', 10)
+    end = time.monotonic() + TIMEOUT
+    said = 'paused; /vibration is published by other nodes, too: end these'
+    while not replay._status().message.startswith(said):
+        assert time.monotonic() < end, replay._status()
+        time.sleep(0.05)
+    other.destroy_publisher(live)
+    while replay._status().message != 'paused':
+        assert time.monotonic() < end, replay._status()
+        time.sleep(0.05)
+    other.destroy_node()
 
 
 def test_what_subscribers_would_misread_is_left_out(ros_domain: int, tmp_path: Path) -> None:
