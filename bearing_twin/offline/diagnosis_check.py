@@ -54,8 +54,10 @@ class DiagnosisCheck:
         self._begun = (0, 0, False)
         # Windows of verdicts of the re-run without a recorded verdict to compare with.
         self._unanswered: list[tuple[int, int]] = []
-        # Those that the diagnosis made, as a later checkpoint tells.
+        # Those that the diagnosis made, as a later checkpoint tells, and those it did not make or
+        # publish before that.
         self._lost: list[tuple[int, int]] = []
+        self._forgotten: list[tuple[int, int]] = []
         # Whether unrecorded inputs may matter: temperature of a missing verdict, joint speeds.
         self._uncertain = False
 
@@ -116,8 +118,7 @@ class DiagnosisCheck:
             self._note(f'a block is refused: {error}')
             return
         if checkpoint is None and first != ended and not run.may_pause:
-            self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
-            self._run = None
+            self._stop()
             self._keep(block)
             return
         if first < ended:
@@ -159,9 +160,10 @@ class DiagnosisCheck:
                 break
             self._verdicts.popleft()
             window = _window(verdict)
-            if window in self._unanswered:
+            late = next((w for w in (self._unanswered, self._forgotten) if window in w), None)
+            if late is not None:
                 # It was published after the horizon, so its inputs were not known in time.
-                self._unanswered.remove(window)
+                late.remove(window)
                 self._agreement.skipped += 1
             elif self._is_earlier(verdict):
                 # It was published after a pause, and the checkpoint is within its snapshot.
@@ -220,8 +222,12 @@ class DiagnosisCheck:
         if run.diagnoser.save() == bytes(checkpoint.state):
             self._lost = self._unanswered[:]
             return
+        had = run.diagnoser.next_sample
         run.diagnoser.load(bytes(checkpoint.state))
         sample, ended = int(checkpoint.first_sample), run.diagnoser.next_sample
+        if ended == sample != had and not run.may_pause:
+            self._stop()
+            return
         self._begun = (*_place(checkpoint), run.first_needed_sample(sample) < sample)
         if not 0 < ended <= sample:
             self._note(f'the diagnosis was restarted at sample {sample}')
@@ -232,10 +238,16 @@ class DiagnosisCheck:
             self._note(f'the diagnosis went on from another state at sample {sample}')
         self._forget_unmade(ended, sample)
 
+    def _stop(self) -> None:
+        """Stop until a checkpoint whose window is whole: the recording lacks blocks."""
+        self._note('blocks are missing; the re-run goes on at a checkpoint with its window')
+        self._run = None
+
     def _forget_unmade(self, ended: int, sample: int) -> None:
         """Forget verdicts on samples that the diagnosis, which goes on at a sample, had not."""
-        self._unanswered = [w for w in self._unanswered if sum(w) <= ended <= sample]
-        self._lost = self._unanswered[:]
+        self._lost = [w for w in self._unanswered if sum(w) <= ended <= sample]
+        self._forgotten = [w for w in self._unanswered if w not in self._lost]
+        self._unanswered = self._lost[:]
 
     def _is_earlier(self, verdict: Any) -> bool:
         """Return whether a verdict is on a window from before the re-run began."""
