@@ -211,10 +211,10 @@ def _pages(scene: Scene, timeline: str) -> list[View]:
         ),
         _rows((4, twin[:3]), (4, twin[3:]), name='Twin'),
         _rows(
-            (4, fitted_views(scene)),
-            (3, [*difference_views(scene), *panel_views(scene, 'calibration', CALIBRATION[:1])]),
-            (3, panel_views(scene, 'calibration', CALIBRATION[1:])),
-            (5, fitted),
+            (3.4, fitted_views(scene)),
+            (3.8, [*difference_views(scene), *panel_views(scene, 'calibration', CALIBRATION[:1])]),
+            (3.2, panel_views(scene, 'calibration', CALIBRATION[1:])),
+            (4.6, fitted),
             name='Calibration',
         ),
     )
