@@ -43,6 +43,8 @@ def _end_all(*_: object) -> None:
 
 
 signal.signal(signal.SIGTERM, _end_all)
+# A forked process ends itself only.
+os.register_at_fork(after_in_child=lambda: signal.signal(signal.SIGTERM, signal.SIG_DFL))
 
 # Libraries make hundreds of thousands of objects that stay. To look for garbage among them while
 # they are loaded takes a third of that time, and does so again in the tests.
