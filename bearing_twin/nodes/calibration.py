@@ -18,7 +18,11 @@ from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.qos import advertise, MEASUREMENT, RESULT, STREAM
-from bearing_twin.ros.topics.subscribing import receiver_clock, subscribe
+from bearing_twin.ros.topics.subscribing import (
+    receiver_clock,
+    subscribe,
+    with_mismatch_reasons,
+)
 from bearing_twin.streams.statefile import StateFolder
 from bearing_twin.streams.vibration_input import (
     Inputs,
@@ -209,8 +213,7 @@ class CalibrationNode(ManagedNode):
         now, intake = time.monotonic(), self._intake
         age = now - intake.arrived
         if not age <= intake.silent_after:
-            text = 'no vibration yet' if math.isnan(age) else f'no vibration for {age:.1f} s'
-            return Status(Level.STALE, text, values)
+            return Status(Level.STALE, self._silence(age), values)
         if problem := intake.trouble(now) or self._problem or self._core.waiting:
             return Status(Level.WARN, f'not fitted: {problem}', values)
         if intake.sources.contested(now):
@@ -224,6 +227,16 @@ class CalibrationNode(ManagedNode):
         if stale := self._core.stale_reason(now):
             return Status(Level.STALE, f'stale, {found.statement}: {stale}', values, kind='stale')
         return Status(Level.OK, found.statement, values, kind='calibration')
+
+    def _silence(self, age: float) -> str:
+        """Return the text on vibration that is not there, or not for ``age`` s."""
+        if not math.isnan(age):
+            return f'no vibration for {age:.1f} s'
+        text = 'no vibration yet'
+        for each in self.subscriptions:
+            if each.msg_type is Vibration:
+                text = with_mismatch_reasons(self, each, text)
+        return text
 
     def _pending(self) -> str:
         """Return the text that explains why there is no calibration yet."""

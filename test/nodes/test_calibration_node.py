@@ -387,6 +387,17 @@ def test_residual_learns_while_the_diagnosis_is_ok_and_sees_what_is_new(healthy)
 
 
 @pytest.mark.ros
+def test_a_calibration_that_hears_no_vibration_names_its_topic(here):
+    from bearing_twin.nodes.calibration import CalibrationNode
+
+    node = here(CalibrationNode)
+    node.trigger_configure()
+    assert node.status().message == 'no vibration yet'
+    node.trigger_activate()
+    assert node.status().message == 'no vibration yet on /vibration'
+
+
+@pytest.mark.ros
 def test_a_second_thermometer_or_sensor_of_a_fitted_machine_is_told(here):
     from bearing_twin.nodes.calibration import CalibrationNode
     from bearing_twin_msgs.msg import Vibration
