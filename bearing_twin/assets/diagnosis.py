@@ -16,7 +16,7 @@ from bearing_twin.assets.parameters.diagnosis import (
     build_settings,
     nominal_speed,
 )
-from bearing_twin.diagnosis.streaming import StreamingDiagnoser
+from bearing_twin.diagnosis.streaming import same_rate, StreamingDiagnoser
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.stamps import samples_ns
@@ -142,8 +142,9 @@ class DiagnosisCore:
         """
         if self._repeat.repeats(block.samples):
             raise BearingTwinError(REPEATED)
-        if block.sample_rate != self._declared:
-            # A source that was set to another rate: the former one says nothing of it.
+        if not same_rate(self._declared, block.sample_rate):
+            # A source that was set to another rate: the former one says nothing of it. One that
+            # measures its rate states a slightly different one with each block.
             self._rate_meter, self._declared = RateMeter(), block.sample_rate
         self._rate_meter.take(block.first_sample, block.stamp)
         problem = self._rate_meter.problem(block.sample_rate)
