@@ -154,8 +154,8 @@ def csv_start(path: Path) -> float | None:
         return seconds_since_1970(f'{found[1]} {found[2]}{found[3] or ""}') if found else None
     row = fields_of(head[start], separator)
     names = _names(head[:start], separator, len(row), timed=False)
-    times = dict(zip(names, row, strict=True))
-    dates = (date_in(name, float(time)) for name, time in times.items() if is_time(name))
+    times = [(name, text) for name, text in zip(names, row, strict=True) if is_time(name)]
+    dates = (date_in(name, float(text.replace(',', '.'))) for name, text in times)
     return next(filter(None, dates), None)
 
 

@@ -210,6 +210,7 @@ def test_times_in_the_names_of_files(tmp_path):
         ('2026/11/30\t10:00:00\t1', '2026/11/30\t10:00:00.001\t2', 1796032800.0),
         ('time,acc\n1796032800.0,1', '1796032800.001,2', 1796032800.0),
         ('acc;time (ms)\n1,5;1796032800250', '2,5;1796032800251', 1796032800.25),
+        ('time;acc\n1796032800,25;1,5', '1796032800,251;2,5', 1796032800.25),
     ],
 )
 def test_times_in_the_first_row_of_a_text(tmp_path, first, second, seconds):
