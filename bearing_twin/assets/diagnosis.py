@@ -170,6 +170,8 @@ class DiagnosisCore:
             Shaft speed from a joint, Hz, used if the block has none; NaN: use the parameter.
 
         """
+        held = not (isinstance(self.diagnoser, StreamingDiagnoser) or self.may_pause)
+        ended = self.diagnoser.next_sample if held else None
         # Order of trust: the block, then the joint, then the parameter (nameplate speed).
         measured = joint_hz if math.isnan(block.shaft_hz) else block.shaft_hz
         excerpts = self.diagnoser.take(
@@ -190,8 +192,7 @@ class DiagnosisCore:
         if self._rate_meter.doubts(block.sample_rate):
             return []
         # A snapshot that a pause or a restart of the source cuts short ended with the one before.
-        ends = [each.end - block.first_sample for each in excerpts]
         return [
-            DueVerdict(excerpt, block if 0 < end <= block.samples.size else former, self.diagnoser)
-            for excerpt, end in zip(excerpts, ends, strict=True)
+            DueVerdict(excerpt, former if excerpt.end == ended else block, self.diagnoser)
+            for excerpt in excerpts
         ]

@@ -33,8 +33,8 @@ from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin.ros.topics.qos import RESULT, STREAM
-from bearing_twin.stamps import samples_ns, stamp_ns
-from bearing_twin.streams.vibration_input import read_vibration
+from bearing_twin.stamps import NANO, samples_ns, stamp_ns
+from bearing_twin.streams.vibration_input import read_vibration, VibrationBlock
 from bearing_twin_msgs.msg import Diagnosis, Vibration
 from copies import put
 from forked import ForkedNodes
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from bearing_twin.streams.vibration_input import VibrationBlock
 
 SNAPSHOTS = {'series_cycle': 10.0, 'series_snapshot': 1.0}
 COMPARED = ('/vibration', '/diagnosis', '/twin_state', '/envelope_spectrum', '/features/rms')
@@ -362,6 +361,20 @@ def test_a_source_that_is_restarted_makes_no_sound_recording_differ(tmp_path: Pa
     (cut,) = [v for v in verdicts if v.sample_count < 25 * 1024]
     assert (cut.first_sample, cut.sample_count) == (188 * 1024, 13 * 1024)
     assert stamp_ns(cut.header.stamp) == 188 * samples_ns(1024, 25600.0)
+
+
+def test_a_snapshot_shorter_than_wanted_has_the_time_of_its_own_samples() -> None:
+    """The samples of each are counted from 0, so that the next one alone tells that it is all."""
+    run = DiagnosisRun(read_values(SPECS, {'shaft_hz': 25.3, **SNAPSHOTS}))
+    rng, stamps = np.random.default_rng(0), []
+    for second in range(0, 50, 10):
+        x = rng.standard_normal(20000).astype(np.float32)
+        block = VibrationBlock(0, x, 25600.0, 25.3, 'm/s^2', simulated=False, stamp=second * NANO)
+        stamps += [
+            stamp_ns(verdict.judge(verdict.excerpt.analyse()).diagnosis.header.stamp)
+            for verdict in run.take(block, temperature=math.nan, joint_hz=math.nan)
+        ]
+    assert stamps == [0, 10 * NANO, 20 * NANO, 30 * NANO]
 
 
 @pytest.mark.parametrize('times', [{}, SNAPSHOTS])
