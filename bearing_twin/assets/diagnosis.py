@@ -104,11 +104,14 @@ class DiagnosisCore:
         Return whether a checkpoint is due before a block.
 
         After a gap one tells which samples the diagnosis has not had. Between the snapshots of a
-        series, whose state is large, gaps of less than a second do not matter.
+        series, whose state is large, only a gap matters that may have hidden the begin of one.
         """
-        ahead = block.first_sample - self.diagnoser.next_sample
-        gap = ahead < 0 or ahead > (block.sample_rate if self.may_pause else 0.0)
-        return gap or self.checkpoints.is_due(block.first_sample)
+        first, rate, diagnoser = block.first_sample, block.sample_rate, self.diagnoser
+        ahead = first - diagnoser.next_sample
+        gap = ahead != 0
+        if not (isinstance(diagnoser, StreamingDiagnoser) or diagnoser.in_snapshot):
+            gap = ahead < 0 or (ahead > rate and diagnoser.begins(first, rate))
+        return gap or self.checkpoints.is_due(first)
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Apply changed parameters; a new window begins, the baseline stays."""

@@ -414,6 +414,24 @@ def test_snapshots_with_pauses_between_them_are_compared(tmp_path: Path) -> None
     assert diagnosis == Agreement(identical=6)
 
 
+@pytest.mark.parametrize('lacking', [(), (3,), (12, 13)])
+def test_a_source_that_sends_more_often_than_the_series_needs_makes_few_checkpoints(
+    lacking: tuple[int, ...], tmp_path: Path
+) -> None:
+    """The state of a series is large. The diagnosis may lack bursts, one with a snapshot, too."""
+    series = {'shaft_hz': 25.3, 'series_cycle': 60.0, 'series_snapshot': 0.3}
+    simulator = Simulator(preset('incipient', defect='inner'))
+    numbers = [125 * burst + n for burst in range(40) for n in range(10)]
+    run = DiagnosisRun(read_values(SPECS, series))
+    runs = {number: None if number // 125 in lacking else run for number in numbers}
+    record(tmp_path / 'run', run, simulator, dict.fromkeys(numbers, math.nan), runs)
+    verdicts = verdicts_of(tmp_path / 'run')
+    assert verdicts >= 4
+    assert len(contents(tmp_path / 'run', '/diagnosis_checkpoint')) <= 2 * verdicts + 1
+    diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
+    assert diagnosis == Agreement(identical=verdicts)
+
+
 @pytest.mark.parametrize(('cycle', 'seconds'), [(499, 20.0), (500, 20.0), (49, 2.0)])
 def test_snapshots_that_a_pause_cuts_short_make_no_sound_recording_differ(
     cycle: int, seconds: float, tmp_path: Path

@@ -120,10 +120,8 @@ class SeriesDiagnoser:
         steady = same_rate(self._rate, sample_rate)
         if self._parts and (first_sample != self._next or not steady):
             found += self._snapshot(speed_measured, known)
-        now = self._ended + (first_sample - self._next) / sample_rate
-        if first_sample < self._next:
-            # The source starts its index anew, maybe for each snapshot.
-            now = self._last + self._settings.series_cycle
+        now = self._time_of(first_sample, sample_rate)
+        begins = self.begins(first_sample, sample_rate)
         # A pause without samples does not count as overdue.
         self._whole += max(now - self._ended - self._settings.series_cycle, 0.0)
         if not (self._parts and steady):
@@ -132,7 +130,7 @@ class SeriesDiagnoser:
         self._next = first_sample + len(block)
         if math.isnan(self._whole):
             self._whole = now
-        if not self._parts and now < self._last + _SOONER * self._settings.series_cycle:
+        if not (self._parts or begins):
             return found
         if not self._parts:
             self._last = now
@@ -140,6 +138,18 @@ class SeriesDiagnoser:
         if self._held >= round(self._settings.series_snapshot * self._rate):
             found += self._snapshot(speed_measured, known)
         return found
+
+    def begins(self, first_sample: int, sample_rate: float) -> bool:
+        """Return whether a block begins a snapshot, unless one has begun before."""
+        time = self._time_of(first_sample, sample_rate)
+        return not time < self._last + _SOONER * self._settings.series_cycle
+
+    def _time_of(self, first_sample: int, sample_rate: float) -> float:
+        """Return the time at the first sample of a block, s."""
+        if first_sample < self._next:
+            # The source starts its index anew, maybe for each snapshot.
+            return self._last + self._settings.series_cycle
+        return self._ended + (first_sample - self._next) / sample_rate
 
     @property
     def next_sample(self) -> int:
