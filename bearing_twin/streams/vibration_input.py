@@ -179,14 +179,15 @@ def unit_doubt(value: float) -> str:
     Examples
     --------
     >>> unit_doubt(293.15)
-    'temperature 293.15 would be 20 degC in kelvin: publish degC'
+    'temperature 293.15 would be 20 degC in kelvin: if it is, publish degC'
     >>> unit_doubt(150.0)
-    'temperature 150 would be 66 degC in fahrenheit: publish degC'
+    'temperature 150 would be 66 degC in fahrenheit: if it is, publish degC'
 
     """
     for unit, celsius in (('kelvin', value + PHYSICAL_LOW), ('fahrenheit', (value - 32.0) / 1.8)):
         if value > TABLE_HIGH and COLDEST <= celsius <= TABLE_HIGH:
-            return f'temperature {value:.5g} would be {celsius:.0f} degC in {unit}: publish degC'
+            said = f'temperature {value:.5g} would be {celsius:.0f} degC in {unit}'
+            return f'{said}: if it is, publish degC'
     return ''
 
 
