@@ -335,6 +335,6 @@ def verdict_status(
         return Status(Level.STALE, text, values, kind='overdue')
     text = result.result
     if result.window is not None and result.window[1] == 'none':
-        text = f'{text}, held as the window tells nothing: {result.reasons[0]}'
+        text = f'{text}; the last window alone tells nothing: {result.reasons[0]}'
     # A changed verdict is logged when it is published; only a changed level is logged as status.
     return Status(LEVELS[result.level], text, values, kind='verdict')

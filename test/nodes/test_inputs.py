@@ -327,7 +327,7 @@ def test_a_verdict_does_not_stand_without_vibration(age, level):
         verdict, result='inner', level='fault', reasons=['dead'], window=('insufficient', 'none')
     )
     text = verdict_status(held, '6307', 0.5).message
-    assert text == 'inner, held as the window tells nothing: dead'
+    assert text == 'inner; the last window alone tells nothing: dead'
 
 
 def aggregator():
