@@ -37,8 +37,8 @@ PROGRESS_PERIOD = 5.0
 LONGEST_WAIT = 0.5
 LONG_WAIT = 60.0
 """Shortest wait for the next message that is logged, s."""
-SHARED = {'/diagnostics', '/parameter_events', '/rosout'}
-"""Topics that every node publishes."""
+SHARED = ('/diagnostics', '/parameter_events', '/rosout', '/transition_event')
+"""Ends of the names of topics that every node publishes."""
 MOST_AT_ONCE = 100
 """Most messages to publish before services and parameters get a turn."""
 
@@ -310,8 +310,9 @@ class ReplayNode(ManagedNode):
 
     def _live(self) -> str:
         """Return which replayed topics other nodes publish, with a verb; '' if they do not."""
-        names = {publisher.topic_name for publisher in self._topics.values()} - SHARED
-        live = sorted(name for name in names if self.count_publishers(name) > 1)
+        names = {publisher.topic_name for publisher in self._topics.values()}
+        own = {name for name in names if not name.endswith(SHARED)}
+        live = sorted(name for name in own if self.count_publishers(name) > 1)
         if not live:
             return ''
         return f'{live[0]} and {len(live) - 1} more are' if live[1:] else f'{live[0]} is'

@@ -10,10 +10,13 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.nodes.replay import ReplayNode
+from bearing_twin.offline.output import output
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.writer import RecordingWriter
 from bearing_twin_msgs.msg import Vibration
+from copies import put
 from forked import ForkedNodes, run_command
+from lifecycle_msgs.msg import TransitionEvent
 import pytest
 import rclpy
 from recorder_process import Source, TIMEOUT
@@ -136,10 +139,17 @@ def test_recorded_time_stands_while_nothing_plays_and_a_pause_costs_nothing(
 
 def test_a_topic_that_is_live_is_told(here: Callable[..., Any], tmp_path: Path) -> None:
     write_blocks(tmp_path / 'run', 5)
+    with RecordingWriter(tmp_path / 'replayed') as writer:
+        for message in read_messages(tmp_path / 'run'):
+            put(writer, message)
+        # Published by the node that was recorded, and by the one that replays it.
+        event = output('/replay/transition_event', TransitionEvent())
+        writer.write(event.topic, event.type_name, event.cdr, log_time=message.log_time)
     replay = here(
-        ReplayNode, recording=str(tmp_path / 'run'), start_paused=True, subscriber_timeout=0.0
+        ReplayNode, recording=str(tmp_path / 'replayed'), start_paused=True, subscriber_timeout=0.0
     )
     replay.trigger_configure()
+    assert '/replay/transition_event' in {p.topic_name for p in replay._topics.values()}
     assert replay._status().message == 'paused'
     other = rclpy.create_node('sensor')
     live = other.create_publisher(Vibration, '/vibration', 10)
