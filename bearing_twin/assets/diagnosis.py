@@ -106,11 +106,11 @@ class DiagnosisCore:
         After a gap one tells which samples the diagnosis has not had. Between the snapshots of a
         series, whose state is large, only a gap matters that may have hidden the begin of one.
         """
-        first, rate, diagnoser = block.first_sample, block.sample_rate, self.diagnoser
+        first, diagnoser = block.first_sample, self.diagnoser
         ahead = first - diagnoser.next_sample
         gap = ahead != 0
-        if not (isinstance(diagnoser, StreamingDiagnoser) or diagnoser.in_snapshot):
-            gap = ahead < 0 or (ahead > rate and diagnoser.begins(first, rate))
+        if ahead > 0 and not (isinstance(diagnoser, StreamingDiagnoser) or diagnoser.in_snapshot):
+            gap = diagnoser.begins(first, block.sample_rate)
         return gap or self.checkpoints.is_due(first)
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:

@@ -414,6 +414,20 @@ def test_snapshots_with_pauses_between_them_are_compared(tmp_path: Path) -> None
     assert diagnosis == Agreement(identical=6)
 
 
+def test_the_begin_of_a_snapshot_that_the_diagnosis_lacks_makes_no_sound_recording_differ(
+    tmp_path: Path,
+) -> None:
+    """A few blocks are enough: the next one, begun later, has other samples."""
+    run = DiagnosisRun(read_values(SPECS, {'shaft_hz': 25.3, **SNAPSHOTS}))
+    simulator = Simulator(preset('incipient', defect='inner'))
+    numbers = dict.fromkeys(range(600), math.nan)
+    record(tmp_path / 'run', run, simulator, numbers, {185: None, 191: run})
+    verdicts = [m.decode() for m in read_messages(tmp_path / 'run', topics=['/diagnosis'])]
+    assert verdicts[1].first_sample == 191 * 1024
+    diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
+    assert diagnosis == Agreement(identical=len(verdicts))
+
+
 @pytest.mark.parametrize('lacking', [(), (3,), (12, 13)])
 def test_a_source_that_sends_more_often_than_the_series_needs_makes_few_checkpoints(
     lacking: tuple[int, ...], tmp_path: Path
