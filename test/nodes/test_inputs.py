@@ -291,7 +291,7 @@ def test_a_temperature_in_another_unit_is_recognised(value, unit):
     intake = Intake(blocks=1, arrived=0.0)
     for told in text, input_status(intake, 0.0, *inputs.problems()).message:
         assert (f'would be {unit}' in told) == bool(unit)
-    # Where the unit is corrected, nothing is said of it any more.
+    # Once the unit is corrected, nothing is said of it.
     inputs.take_temperature(SimpleNamespace(header=header, temperature=60.0))
     assert inputs.problems()[2] == ''
 
