@@ -16,7 +16,7 @@ from bearing_twin.assets.parameters.diagnosis import (
     build_settings,
     nominal_speed,
 )
-from bearing_twin.diagnosis.streaming import same_rate, StreamingDiagnoser
+from bearing_twin.diagnosis.streaming import same_rate
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.stamps import samples_ns
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis.chain import Analysis, Excerpt
     from bearing_twin.diagnosis.series.snapshots import SeriesDiagnoser
+    from bearing_twin.diagnosis.streaming import StreamingDiagnoser
     from bearing_twin.streams.vibration_input import VibrationBlock
     from bearing_twin_msgs.msg import Checkpoint, Diagnosis, Spectrum
 
@@ -94,24 +95,14 @@ class DiagnosisCore:
         """Bearing in use."""
         return self.diagnoser.bearing
 
-    @property
-    def may_pause(self) -> bool:
-        """Whether blocks may be left out now, as between two snapshots of a series."""
-        return not (isinstance(self.diagnoser, StreamingDiagnoser) or self.diagnoser.in_snapshot)
-
     def needs_checkpoint(self, block: VibrationBlock) -> bool:
         """
         Return whether a checkpoint is due before a block.
 
-        After a gap one tells which samples the diagnosis has not had. Between the snapshots of a
-        series, whose state is large, only a gap matters that may have hidden the begin of one.
+        After a gap one tells which samples the diagnosis has not had.
         """
-        first, diagnoser = block.first_sample, self.diagnoser
-        ahead = first - diagnoser.next_sample
-        gap = ahead != 0
-        if ahead > 0 and not (isinstance(diagnoser, StreamingDiagnoser) or diagnoser.in_snapshot):
-            gap = diagnoser.begins(first, block.sample_rate)
-        return gap or self.checkpoints.is_due(first)
+        gap = self.diagnoser.has_gap(block.first_sample, block.sample_rate)
+        return gap or self.checkpoints.is_due(block.first_sample)
 
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Apply changed parameters; a new window begins, the baseline stays."""
@@ -173,8 +164,8 @@ class DiagnosisCore:
             Shaft speed from a joint, Hz, used if the block has none; NaN: use the parameter.
 
         """
-        held = not (isinstance(self.diagnoser, StreamingDiagnoser) or self.may_pause)
-        ended = self.diagnoser.next_sample if held else None
+        series = bool(self.diagnoser.settings.series_cycle)
+        ended = self.diagnoser.next_sample if series and not self.diagnoser.may_pause else None
         # Order of trust: the block, then the joint, then the parameter (nameplate speed).
         measured = joint_hz if math.isnan(block.shaft_hz) else block.shaft_hz
         excerpts = self.diagnoser.take(
@@ -188,7 +179,7 @@ class DiagnosisCore:
             sensor=f'{block.frame_id} {self._axis}'.strip()
             + (' simulated' if block.simulated else ''),
         )
-        if excerpts and self.diagnoser.settings.series_cycle:
+        if excerpts and series:
             # The next block may come one cycle later.
             self.checkpoints.ask()
         former, self._former = self._former or block, block

@@ -312,6 +312,13 @@ class StreamingDiagnoser:
                 self._waited = len(block) / self._rate
         return due_now
 
+    may_pause = False
+    """Whether blocks may be left out now: none of a stream."""
+
+    def has_gap(self, first_sample: int, sample_rate: float) -> bool:
+        """Return whether a block does not follow on the newest one."""
+        return first_sample != self._next
+
     @property
     def next_sample(self) -> int:
         """Index of the sample after the newest block."""

@@ -117,7 +117,7 @@ class DiagnosisCheck:
         except BearingTwinError as error:
             self._note(f'a block is refused: {error}')
             return
-        if checkpoint is None and first != ended and not run.may_pause:
+        if checkpoint is None and first != ended and not run.diagnoser.may_pause:
             self._stop()
             self._keep(block)
             return
@@ -125,7 +125,7 @@ class DiagnosisCheck:
             # By their index alone, all verdicts may now be earlier.
             self._begun = (0, self._begun[1], False)
         # A snapshot that a pause cuts short is judged with the block after the pause.
-        waits = first > ended and not run.may_pause
+        waits = first > ended and not run.diagnoser.may_pause
         self._drop_unmade(ended - 1 if waits else first, message.publish_time)
         temperature, speed = math.nan, math.nan
         if self._verdicts:
@@ -225,7 +225,7 @@ class DiagnosisCheck:
         had = run.diagnoser.next_sample
         run.diagnoser.load(bytes(checkpoint.state))
         sample, ended = int(checkpoint.first_sample), run.diagnoser.next_sample
-        if ended == sample != had and not run.may_pause:
+        if ended == sample != had and not run.diagnoser.may_pause:
             self._stop()
             return
         self._begun = (*_place(checkpoint), run.first_needed_sample(sample) < sample)

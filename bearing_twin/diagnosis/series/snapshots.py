@@ -121,7 +121,7 @@ class SeriesDiagnoser:
         if self._parts and (first_sample != self._next or not steady):
             found += self._snapshot(speed_measured, known)
         now = self._time_of(first_sample, sample_rate)
-        begins = self.begins(first_sample, sample_rate)
+        begins = self._begins(now)
         # A pause without samples does not count as overdue.
         self._whole += max(now - self._ended - self._settings.series_cycle, 0.0)
         if not (self._parts and steady):
@@ -139,9 +139,18 @@ class SeriesDiagnoser:
             found += self._snapshot(speed_measured, known)
         return found
 
-    def begins(self, first_sample: int, sample_rate: float) -> bool:
-        """Return whether a block begins a snapshot, unless one has begun before."""
-        time = self._time_of(first_sample, sample_rate)
+    def has_gap(self, first_sample: int, sample_rate: float) -> bool:
+        """
+        Return whether samples that matter may be missing before a block.
+
+        Within a snapshot all matter, between two only those that may hold the begin of one.
+        """
+        if self.may_pause and first_sample > self._next:
+            return self._begins(self._time_of(first_sample, sample_rate))
+        return first_sample != self._next
+
+    def _begins(self, time: float) -> bool:
+        """Return whether a block at a time (s) begins a snapshot, unless one has begun before."""
         return not time < self._last + _SOONER * self._settings.series_cycle
 
     def _time_of(self, first_sample: int, sample_rate: float) -> float:
@@ -165,9 +174,9 @@ class SeriesDiagnoser:
         return f'no verdict in {elapsed:.0f} s of the series{self._short}'
 
     @property
-    def in_snapshot(self) -> bool:
-        """Whether a snapshot has begun and is not complete."""
-        return bool(self._parts)
+    def may_pause(self) -> bool:
+        """Whether blocks may be left out now: between two snapshots."""
+        return not self._parts
 
     @property
     def _held(self) -> int:
