@@ -219,8 +219,8 @@ def collect(path: Path) -> tuple[RecordingInfo, RecordingHealth, dict[str, Machi
         machine.take(message, (message.log_time - start) / NANO)
 
     info, health = examine(path, take)
-    found = {name: machines[name] for name in sorted(machines, key=natural)}
-    found = {name: machine for name, machine in found.items() if not machine.empty}
+    names = sorted((name for name in machines if not machines[name].empty), key=natural)
+    found = {name: machines[name] for name in names}
     for machine in machines.values():
         _take_fleet(machine, found)
     for name, machine in [*found.items()]:

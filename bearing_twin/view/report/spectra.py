@@ -20,9 +20,8 @@ if TYPE_CHECKING:
 
 def envelope_caption(picture: SpectrumPicture) -> str:
     """Return what the marks and lines of an envelope spectrum are."""
-    found = any(comb.found for comb in picture.combs)
     ticks = 'Ticks: nominal harmonics, without slip'
-    if found:
+    if picture.found:
         ticks = f'Triangles: the {HARMONICS} harmonics found; t{ticks[1:]}'
     return (
         f'{ticks}; dots: sidebands. Grey: noise floor, and dashed what one bin of noise in a '
