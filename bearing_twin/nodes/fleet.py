@@ -76,6 +76,14 @@ def _verdicts_until(phase: float, slots: int, *, crowded: bool) -> int:
 
     In a row verdicts take less time than after a sleep. But on a ``crowded`` processor, who has
     used it in a row waits for it, and the next block is late.
+
+    Examples
+    --------
+    >>> [_verdicts_until(phase, 4, crowded=False) for phase in (0.0, 0.25, 0.5, 0.75)]
+    [3, 3, 3, 4]
+    >>> [_verdicts_until(phase, 4, crowded=True) for phase in (0.0, 0.25, 0.5, 0.75)]
+    [1, 2, 3, 4]
+
     """
     own = math.floor(phase * slots + 1e-6) + 1
     return own if crowded else max(own, slots - 1)

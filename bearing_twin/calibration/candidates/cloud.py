@@ -81,7 +81,13 @@ class Situation:
 
     @property
     def ball_spacing_mm(self) -> float:
-        """Distance of two balls on the damaged race, mm."""
+        """
+        Distance of two balls on the damaged race, mm.
+
+        >>> round(example().ball_spacing_mm, 1)
+        16.4
+
+        """
         return 1e3 * self.speed / self.impact_rate
 
     @property

@@ -136,12 +136,27 @@ class Summary:
 
     @property
     def resolved(self) -> float:
-        """Shortest spacing of two impacts that is distinguished from ringing of one, s."""
+        """
+        Shortest spacing of two impacts that is distinguished from ringing of one, s.
+
+        >>> noise = np.random.default_rng(1).standard_normal(25600)
+        >>> summarise(noise, 12800.0, 5e-3).resolved < 1e-3
+        True
+
+        """
         return RESOLVED * self.lobe
 
     @property
     def longest_unresolved_spacing(self) -> float:
-        """Longest spacing that a passage may have if none can be determined, s."""
+        """
+        Longest spacing that a passage may have if none can be determined, s.
+
+        >>> noise = np.random.default_rng(1).standard_normal(25600)
+        >>> measured = summarise(noise, 12800.0, 5e-3)
+        >>> measured.longest_unresolved_spacing >= measured.resolved
+        True
+
+        """
         seen = (self.spacing, *self.rivals) if self.shows_two_impacts else ()
         return max(self.resolved, *seen, 0.0)
 

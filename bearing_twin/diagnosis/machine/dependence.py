@@ -306,7 +306,15 @@ def _weighed(
 
 
 def _lag_one(values: NDArray[np.float64]) -> float:
-    """Return a lag-one correlation robust to outliers (Gnanadesikan and Kettenring, 1972)."""
+    """
+    Return a lag-one correlation that is robust to outliers (Gnanadesikan and Kettenring, 1972).
+
+    Examples
+    --------
+    >>> bool(abs(_lag_one(np.random.default_rng(0).standard_normal(1000))) < 0.1)
+    True
+
+    """
     sums, differences = values[1:] + values[:-1], np.diff(values)
     both, apart = (_median(np.abs(v - _median(v))) ** 2 for v in (sums, differences))
     return (both - apart) / max(both + apart, 1e-12)

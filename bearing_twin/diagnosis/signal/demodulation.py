@@ -136,7 +136,13 @@ class Segment:
 
 @functools.lru_cache(maxsize=64)
 def _speed_class(shaft_hz: float, classes: int = _CLASSES) -> int:
-    """Return the class of a shaft speed, Hz; there are so many classes in an octave."""
+    """
+    Return the class of a shaft speed, Hz; classes are a quarter of an octave wide by default.
+
+    >>> _speed_class(25.0), _speed_class(25.4), _speed_class(50.0)
+    (19, 19, 23)
+
+    """
     return math.ceil(classes * math.log2(shaft_hz))
 
 

@@ -121,6 +121,11 @@ def _column_levels(
 
     With a Hann window the rows between add no information. Width and bins count all rows; see
     :func:`floor_levels`.
+
+    >>> levels, first, hop = _column_levels(np.ones((8192, 3), np.float32), 512)
+    >>> levels.shape, first, hop
+    ((31, 3), 255.0, 256)
+
     """
     hop, blocks, offset = _blocks(-(-len(power) // 2), width // 2)
     medians = _ranked(power, 2 * offset, 2, hop, hop // 2, blocks=blocks)
