@@ -88,10 +88,12 @@ class _EachOnce(yaml.SafeLoader):
     """YAML loader that refuses duplicate keys; PyYAML itself silently keeps the last one."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        counts = Counter(str(key.value) for key, _ in node.value)
-        for name, count in counts.items():
-            if count > 1:
-                raise yaml.YAMLError(f'duplicate key {name} ({count} times in one table)')
+        lines: dict[str, int] = {}
+        for key, _ in node.value:
+            name, line = str(key.value), key.start_mark.line + 1
+            if name in lines:
+                raise yaml.YAMLError(f'duplicate key {name} (lines {lines[name]} and {line})')
+            lines[name] = line
         return super().construct_mapping(node, deep)
 
 

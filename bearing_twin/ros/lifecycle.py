@@ -13,7 +13,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.assets.parameters.shared import AUTOSTART
 from bearing_twin.errors import BearingTwinError, shown, UsageError
 from bearing_twin.ros.executor import PolledGroup
-from bearing_twin.ros.parameterfile import misaddressed
+from bearing_twin.ros.parameterfile import doubts
 from bearing_twin.ros.parameters import ParameterSet, read_as_at_start, unknown_at_start
 from bearing_twin.ros.topics.subscribing import validated
 from bearing_twin.streams.statefile import NodeStates
@@ -89,7 +89,7 @@ class ManagedNode(LifecycleNode):
     def __init__(self, name: str, specs: Iterable[Spec]) -> None:
         super().__init__(name)
         # Before the check of the parameters, which may fail because of it.
-        for sentence in misaddressed(sys.argv, self.get_fully_qualified_name()):
+        for sentence in doubts(sys.argv, self.get_fully_qualified_name()):
             self.get_logger().warning(shown(sentence))
         self.configured = False
         self.active = False

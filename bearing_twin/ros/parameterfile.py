@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from contextlib import suppress
 from difflib import get_close_matches
 from itertools import pairwise
@@ -23,11 +24,12 @@ ALIKE = 0.7
 """Least similarity of a name that is taken for a mistyped one."""
 
 
-def misaddressed(words: Sequence[str], node: str) -> list[str]:
+def doubts(words: Sequence[str], node: str) -> list[str]:
     """
-    Return a sentence on each parameter file whose sections miss a node by name or namespace.
+    Return a sentence on each likely mistake for a node in parameter files.
 
-    rcl ignores such a section, and the node would run with its defaults.
+    rcl ignores a section that misses the node by name or namespace, and the node would run with
+    its defaults. Of a parameter that a section gives twice, rcl keeps the last value.
 
     Parameters
     ----------
@@ -41,12 +43,24 @@ def misaddressed(words: Sequence[str], node: str) -> list[str]:
     for file in _files(words):
         # rcl has read the file already, or says itself why it cannot.
         with suppress(OSError, ValueError, yaml.YAMLError):
-            sections = list(_sections(yaml.safe_load(Path(file).read_text(encoding='utf-8'))))
-            if wrong := near_misses(sections, node):
+            content = yaml.compose(Path(file).read_text(encoding='utf-8'), yaml.SafeLoader)
+            sections = list(_sections(content))
+            if wrong := near_misses([name for name, _ in sections], node):
                 sentences.append(
                     f'{file} sets parameters of {" and ".join(wrong)}, but this node is {node} '
                     f"and does not take them: write '/**/{node.rpartition('/')[2]}'"
                 )
+            given = defaultdict(list)
+            for section, parameters in sections:
+                if re.fullmatch(_pattern(section), node):
+                    for name, line in _lines(parameters):
+                        given[section, name].append(line)
+            sentences += [
+                f'{file} gives {name} of {section} in lines {" and ".join(map(str, lines))}: the '
+                'last value is taken; delete the others'
+                for (section, name), lines in given.items()
+                if len(lines) > 1
+            ]
     return sentences
 
 
@@ -94,15 +108,27 @@ def _files(words: Sequence[str]) -> list[str]:
     return [file for option, file in pairwise(words) if option == '--params-file']
 
 
-def _sections(content: Any, path: str = '') -> Iterator[str]:
-    """Yield the name patterns in a parameter file, which may be nested by namespaces."""
-    if not isinstance(content, dict):
+def _sections(content: Any, path: str = '') -> Iterator[tuple[str, Any]]:
+    """Yield the name pattern and parameters of each section, which namespaces may nest."""
+    if not isinstance(content, yaml.MappingNode):
         return
-    for key, value in content.items():
-        if key == PARAMETERS:
-            yield path
+    for key, value in content.value:
+        if key.value == PARAMETERS:
+            yield path, value
         else:
-            yield from _sections(value, f'{path}/{str(key).strip("/")}')
+            yield from _sections(value, f'{path}/{str(key.value).strip("/")}')
+
+
+def _lines(parameters: Any, prefix: str = '') -> Iterator[tuple[str, int]]:
+    """Yield the name and line of each parameter of a section, which tables may nest."""
+    if not isinstance(parameters, yaml.MappingNode):
+        return
+    for key, value in parameters.value:
+        name = f'{prefix}{key.value}'
+        if isinstance(value, yaml.MappingNode):
+            yield from _lines(value, f'{name}.')
+        else:
+            yield name, key.start_mark.line + 1
 
 
 def _pattern(section: str) -> str:

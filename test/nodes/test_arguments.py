@@ -98,6 +98,28 @@ def test_a_parameter_file_that_misses_a_node_is_told(ros_domain, tmp_path, secti
 
 @pytest.mark.ros
 @pytest.mark.parametrize(
+    ('section', 'told'),
+    [
+        ('    sample_rate: -1.0', '/adapter in lines 5 and 6'),
+        ('adapter:\n  ros__parameters:\n    sample_rate: -1.0', '/adapter in lines 5 and 8'),
+        # This is the way to override what all nodes share, and what other nodes get.
+        ('fan_7:\n  adapter: {ros__parameters: {sample_rate: -1.0}}', ''),
+    ],
+)
+def test_a_parameter_that_a_file_gives_twice_is_told(ros_domain, tmp_path, section, told):
+    path = tmp_path / 'a.yaml'
+    others = '/**: {ros__parameters: {sample_rate: 500.0}}\nplay: {ros__parameters: {a: 1, a: 2}}'
+    path.write_text(
+        f'{others}\nadapter:\n  ros__parameters:\n    sample_rate: 1000.0\n{section}\n'
+    )
+    names = [] if told else ['-r', '__ns:=/fan_7']
+    ran = run_command('run', 'adapter', '--ros-args', *names, '--params-file', path)
+    assert_ended(ran, 2, 'sample_rate=-1', f'{path} gives sample_rate of {told}' if told else '')
+    assert ran.stderr.count(' gives ') == bool(told)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
     ('variable', 'value', 'text', 'status'),
     [
         ('ROS_DOMAIN_ID', '300', 'ROS_DOMAIN_ID=300 is outside 0..232; choose a value inside', 2),

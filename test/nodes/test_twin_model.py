@@ -244,7 +244,8 @@ def test_a_file_of_assets_takes_nested_tables(tmp_path):
 @pytest.mark.parametrize(
     ('text', 'said'),
     [
-        ('pump: {}\n  fan: {}\n  pump: {}', 'duplicate key pump'),
+        ('pump: {}\n  fan: {}\n  pump: {}', r'duplicate key pump \(lines 2 and 4\)'),
+        ('pump: {twin: {defect: inner, defect: outer}}', r'key defect \(lines 2 and 2\)'),
         ('pümp: {twin: {}}', 'no ROS namespace'),
         ('on: {twin: {}}', 'takes the name of an asset for true: quote it'),
         ('pump: {twin: {sample_rate: 5e3}}', 'sample_rate is one for all twins: give it to the'),
