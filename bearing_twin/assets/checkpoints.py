@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 class Checkpoints:
     """
-    Make checkpoints of a node, one per period and one after each discontinuity of its state.
+    Make checkpoints of a node, one per period and others after discontinuities of its state.
 
     ``kind`` is ``'twin'``, ``'fleet'`` or ``'diagnosis'``, ``node`` the full name of the node, and
     ``period`` the time between checkpoints in s.
@@ -32,15 +32,20 @@ class Checkpoints:
         self._kind = kind
         self._node = node
         self._period = period
-        self._due = -math.inf
+        # Sample of the newest periodic checkpoint, and samples until the next one.
+        self._last, self._wait = math.inf, 0
 
     def ask(self) -> None:
         """Request a checkpoint before the next block, after a discontinuity of the state."""
-        self._due = -math.inf
+        self._last = math.inf
 
     def is_due(self, first_sample: int) -> bool:
-        """Return whether a checkpoint is due before the block that begins at ``first_sample``."""
-        return first_sample >= self._due
+        """
+        Return whether a checkpoint is due before the block that begins at ``first_sample``.
+
+        It is where the index has gone back, too: the former one says nothing of the time since.
+        """
+        return not 0 <= first_sample - self._last < self._wait
 
     def make(
         self,
@@ -52,13 +57,14 @@ class Checkpoints:
         state: bytes,
     ) -> Checkpoint:
         """
-        Return the checkpoint before a block; the next one is due one period later.
+        Return the checkpoint before a block; if it was due, the next one is one period later.
 
         ``first_sample``, ``stamp`` (ns) and ``sample_rate`` (Hz) belong to the first sample of
         the block. ``configuration`` holds the parameters in force (YAML), and ``state`` is the
         state before the block.
         """
-        self._due = first_sample + round(self._period * sample_rate)
+        if self.is_due(first_sample):
+            self._last, self._wait = first_sample, round(self._period * sample_rate)
         return Checkpoint(
             header=Header(stamp=time_message(stamp)),
             first_sample=first_sample,

@@ -174,8 +174,10 @@ class DiagnosisTopics:
             # A saved state is complete only if no verdict waits.
             self.judge()
             self._load_state()
+            if self._core.checkpoints.is_due(block.first_sample):
+                # Not after each gap: a sensor with many of them would wear out a memory card.
+                self.keep_state()
             self._checkpoint.publish(self._core.checkpoint(block, self.parameters.text))
-            self.keep_state()
         joint_hz = self._measured.shaft_hz(block.length)
         due = self._core.take(block, temperature=temperature, joint_hz=joint_hz)
         if due:

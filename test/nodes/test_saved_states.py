@@ -6,6 +6,7 @@ import asyncio
 from concurrent import futures
 import errno
 import fcntl
+import math
 import os
 import resource
 import select
@@ -16,9 +17,11 @@ import time
 from bearing_twin import disksync
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import unpack
+from bearing_twin.stamps import samples_ns
 from bearing_twin.streams import statefile
 from bearing_twin.streams.statefile import NodeStates, StateFolder
 from loopdisk import loop_disk
+import numpy as np
 import pytest
 import yaml
 
@@ -461,3 +464,27 @@ def test_an_answer_that_comes_after_its_service_ends_no_node(here, tmp_path, mon
                 executor.spin_once(timeout_sec=0.1)
         executor.shutdown()
         asker.destroy_node()
+
+
+@pytest.mark.ros
+def test_a_sensor_with_many_gaps_has_its_baseline_written_as_seldom_as_another(here, tmp_path):
+    from bearing_twin.nodes.diagnosis import DiagnosisNode
+    from bearing_twin.streams.vibration_input import VibrationBlock
+
+    node = here(DiagnosisNode, state_directory=str(tmp_path), state_name='pump', shaft_hz=25.0)
+    node.bring_up()
+    file, rng = tmp_path / 'pump', np.random.default_rng(0)
+    written, verdicts = set(), 0
+    for number in range(1000):
+        if number % 35:
+            samples = rng.standard_normal(1024).astype(np.float32)
+            stamp = samples_ns(number * 1024, 25600.0)
+            block = VibrationBlock(
+                number * 1024, samples, 25600.0, math.nan, 'm/s^2', False, stamp
+            )
+            verdicts += node._topics.hold(block, temperature=math.nan)
+            node.states.disk.settle()
+            written.add(file.stat().st_mtime_ns if file.exists() else 0)
+    # Of 40 s.
+    assert verdicts > 20
+    assert 2 < len(written) < 6
