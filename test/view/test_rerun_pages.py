@@ -84,6 +84,21 @@ def test_vibration_alone_has_no_page_of_a_verdict(recording, tmp_path):
     ]
 
 
+def test_before_the_first_vibration_the_log_of_the_nodes_is_in_front(recording, tmp_path):
+    said = SimpleNamespace(name='diagnosis', level=30, msg='no vibration yet')
+    with RerunLogger(recording_id='early', rrd=tmp_path / 'early.rrd') as logger:
+        logger.log('/rosout', 'rcl_interfaces/msg/Log', said, 0)
+        assert logger.problems == {}
+        (scene,) = logger._scenes.values()
+        (nodes,) = layout({'': scene}, timeline='ros_time').root_container.contents
+        assert nodes.name == 'Nodes'
+        message = next(read_messages(recording, topics=['/temperature']))
+        logger.log(message.topic, message.type_name, message.decode(), message.log_time)
+    front, nodes = layout({'': scene}, timeline='ros_time').root_container.contents
+    assert [view.name for view in front.contents] == ['Temperature [°C]']
+    assert nodes.name == 'Nodes'
+
+
 def test_the_end_of_a_long_name_is_above_its_card(recording, tmp_path):
     rrd = tmp_path / 'long.rrd'
     with RerunLogger(recording_id='long', rrd=rrd) as logger:

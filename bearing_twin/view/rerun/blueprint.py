@@ -55,7 +55,7 @@ def layout(
     in front; '': the first.
     """
     bearings = {title: scene for title, scene in scenes.items() if is_bearing(scene)}
-    others = {title: scene for title, scene in scenes.items() if scene.contents}
+    others = {title: scene for title, scene in scenes.items() if _other_views(scene)}
     besides = {t: s for t, s in bearings.items() if _is_of_twin(s, bearings.values())}
     bearings = {title: scene for title, scene in bearings.items() if title not in besides}
     shown = bearings or others
@@ -228,9 +228,14 @@ def _vibration(scene: Scene, timeline: str, *, name: str) -> View | None:
 
 def _wide(scene: Scene, timeline: str, *, name: str, page: str) -> View:
     if not is_bearing(scene):
-        return rrb.Grid(*number_views(scene), name=name)
+        return rrb.Grid(*_other_views(scene), name=name)
     pages = _pages(scene, timeline)
     return rrb.Tabs(*pages, active_tab=_front(pages, page), name=name)
+
+
+def _other_views(scene: Scene) -> list[View]:
+    """Return the views of a scene without a bearing, besides those of its nodes."""
+    return [*temperature_views(scene), *number_views(scene)]
 
 
 def _front(parts: Sequence[View], page: str) -> int:
