@@ -31,6 +31,9 @@ class Source:
         """``frame_id`` of the vibration: the sensor."""
         self.zones: tuple[Limit, ...] = zone_limits()
         """Velocities in mm/s at which the zones of the machine begin."""
+        self.lapsed: dict[str, tuple[str, int] | None] = {}
+        """Why a diagnosis has no verdict on the present, and when it said so in ns, by its name;
+        None of one that has."""
         self._sources: set[int] = set()
 
     def vibration(self, message: Any) -> None:
@@ -54,6 +57,15 @@ class Source:
             self._twin = f'{node}, {twin_in_words(values)}'
         elif isinstance(values, dict):
             self.zones = zone_limits(values.get('power_group'), values.get('mounting'))
+
+    @property
+    def stale(self) -> tuple[str, int] | None:
+        """Why no diagnosis has a verdict on the present, and when it was said, ns; else None."""
+        return (
+            None
+            if None in self.lapsed.values()
+            else max(filter(None, self.lapsed.values()), key=lambda told: told[1], default=None)
+        )
 
     @property
     def text(self) -> str:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is drawn, read back from the Rerun files: positions, times, forces, and no failure."""
 
+from io import BytesIO
 import math
 import re
 import struct
@@ -31,6 +32,7 @@ from bearing_twin.view.spectrum import ENVELOPE
 from copies import raw_recording
 from drawn import columns, message, SECOND, stamp, VIBRATION, view_names
 import numpy as np
+from PIL import Image
 import pytest
 import rerun as rr
 from rerun.chunk import McapReader, RrdReader
@@ -188,6 +190,47 @@ def test_a_card_says_that_its_verdict_is_only_held(recording, tmp_path):
             logger.log(last.topic, last.type_name, verdict, last.log_time)
     _, cards = columns(rrd, '/diagnosis/card', 'blob')
     assert cards[0] == cards[2] != cards[1]
+
+
+@pytest.mark.parametrize(('level', 'alarm'), [(0, False), (2, True)])
+@pytest.mark.parametrize('other', [False, True], ids=['alone', 'beside a second sensor'])
+def test_a_verdict_without_vibration_is_not_shown_as_that_of_now(
+    recording, tmp_path, level, alarm, other
+):
+    """A sensor that dies leaves its last verdict, which may be healthy."""
+    rrd, [*_, last] = tmp_path / 'dead.rrd', read_messages(recording, topics=['/diagnosis'])
+    verdict, now = last.decode(), last.log_time
+
+    def say(name, level, text):
+        status = SimpleNamespace(name=name, level=bytes([level]), message=text)
+        told = SimpleNamespace(status=[status])
+        logger.log('/diagnostics', 'diagnostic_msgs/msg/DiagnosticArray', told, now)
+
+    with RerunLogger(recording_id='dead', rrd=rrd) as logger:
+        for dead in (False, True, False):
+            verdict.level = verdict.window_level = level
+            verdict.header.stamp.sec += 3
+            logger.log('/fan' + last.topic, last.type_name, verdict, now)
+            now += 3 * SECOND
+            if dead:
+                say('fan/diagnosis: bearing', 3, 'no vibration used for 2.6 s; the last verdict')
+            if other:
+                say('fan/diagnosis_2: bearing', 0, 'healthy')
+    assert logger.problems == {}
+    _, states = columns(rrd, '/fan/diagnosis/verdict', 'state')
+    _, cards = columns(rrd, '/fan/diagnosis/card', 'blob')
+    _, words = columns(rrd, '/fan/diagnosis/words', 'text')
+    if other:
+        # Whose verdict it is cannot be told.
+        assert len(set(map(str, cards))) == 1
+        return
+    assert states == [['inner'], ['stale'], ['inner']]
+    assert 'no vibration used for 2.6 s' in words[2][0]
+    before, _, dead, after = (Image.open(BytesIO(np.array(card[0], np.uint8))) for card in cards)
+    assert before == after != dead
+    # Red stays, as the machine may be as it was; green does not.
+    grounds = {card.convert('RGB').getpixel((0, 0)) for card in (before, dead)}
+    assert len(grounds) == (1 if alarm else 2)
 
 
 @pytest.mark.parametrize(

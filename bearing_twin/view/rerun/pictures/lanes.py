@@ -22,6 +22,10 @@ AGAIN = 10_000_000_000
 """Period after which unchanged data are logged again, ns: servers forget, viewers come late."""
 
 
+STALE = [state.key for state in LANE_LEVELS].index('stale')
+"""Level of a status that is no longer about the present."""
+
+
 class Lane:
     """One lane; ``states`` are indexed by the number in the message."""
 
@@ -66,6 +70,26 @@ class HealthPicture(Picture):
             lane = self._lanes.get(name)
             if lane is None:
                 lane = self._lanes[name] = Lane(self.canvas, name, LANE_LEVELS)
-            level = status.level
-            lane.set(level[0] if isinstance(level, bytes) else int(level), time)
+            level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
+            lane.set(level, time)
+            if (namespace := _judged(status.name)) is not None:
+                told = (str(status.message), time) if level == STALE else None
+                self.asset.sources[namespace].lapsed[status.name] = told
         return True
+
+
+def _judged(name: str) -> str | None:
+    """
+    Return the namespace of the bearing whose verdict a status is about; None for other statuses.
+
+    Examples
+    --------
+    >>> _judged('diagnosis: bearing'), _judged('plant/fleet: line3/pump bearing')
+    ('', '/plant/line3/pump')
+
+    """
+    node, _, part = name.partition(': ')
+    *asset, last = part.rsplit(' ', 1)
+    if last != 'bearing':
+        return None
+    return '/'.join(['', *filter(None, (node.rpartition('/')[0], *asset))]).rstrip('/')

@@ -9,10 +9,11 @@ import io
 from textwrap import fill
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_SUSPECT
 from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.view.rerun.pictures.lanes import Lane
 from bearing_twin.view.rerun.pictures.picture import Asset, Picture
-from bearing_twin.view.style import ink, VERDICTS
+from bearing_twin.view.style import ink, State, VERDICTS
 from bearing_twin.view.trends import DIAGNOSIS, OVER_LIMITS
 from bearing_twin.view.verdict import (
     facts,
@@ -36,6 +37,8 @@ SHORT, NARROW = 52, 38
 """Longest text of a table cell that fits beside the bearing, and beside another recording."""
 BELOW = 40
 """Height of a line below the verdict."""
+LANE = (*VERDICTS, State('stale', 'No new verdict', VERDICTS[-1].colour))
+"""States of the lane of verdicts: without vibration there is none."""
 
 
 class VerdictPicture(Picture):
@@ -46,9 +49,11 @@ class VerdictPicture(Picture):
 
     def __init__(self, canvas: Canvas, asset: Asset) -> None:
         super().__init__(canvas, asset)
-        self._lane = Lane(canvas, 'verdict', VERDICTS)
+        self._lane = Lane(canvas, 'verdict', LANE)
         self._headline = asset.headline = Headline()
         self._begin: int | None = None
+        self._seen: tuple[str, int] | None = None
+        self._lapsed: tuple[str, int] | None = None
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a diagnosis whose window begins at ``time`` in ns."""
@@ -62,26 +67,49 @@ class VerdictPicture(Picture):
         self._headline.take((time - self._begin) / NANO, message)
         result = int(message.result)
         self.asset.judged = time
+        self._seen, self._lapsed = self.asset.source.stale, None
         if judged_by_velocity(message):
             self.asset.panels.add('severity')
         self._lane.set(result, time)
         # Logged every time, not only on changes: a server forgets the oldest first.
         card = _card(result, title_of(message), only_held(message))
-        self.canvas.put('card', time, rr.EncodedImage(contents=card, media_type='image/png'))
-        words = rr.TextDocument(self._words(message), media_type=rr.MediaType.MARKDOWN)
-        self.canvas.put('words', time, words)
+        self._put(time, card, self._words(message))
         self.trends.hold(message, time)
         return True
 
+    def flush(self, *, slow: bool) -> None:
+        """Send what is held, and say so if the latest verdict is no longer about the present."""
+        stale, verdict = self.asset.source.stale, self._headline.last
+        if stale is not None and stale != self._seen and verdict is not None:
+            self._seen = self._lapsed = stale
+            why, time = stale
+            number, title, lack = int(verdict.result), title_of(verdict), _lack(why)
+            card = _card(number, title, f'{lack} since then')
+            if verdict.level not in (LEVEL_SUSPECT, LEVEL_FAULT):
+                # Only an alarm does not end because nobody measures.
+                card = _card(len(VERDICTS) - 1, lack.capitalize(), f'before: {title}')
+            self._lane.set(len(VERDICTS), time)
+            self._put(time, card, f'**Not up to date:** {why}.\n\n{self._words(verdict)}')
+        super().flush(slow=slow)
+
     def finish(self) -> None:
-        """Show the worst sustained verdict if the recording ends with another one."""
-        if not (end := self._headline.ending):
-            return
-        worst, time = self._headline.worst.best, self.asset.judged + 1
-        image = _card(int(worst.result), title_of(worst), f'at the end: {end}')
-        self.canvas.put('card', time, rr.EncodedImage(contents=image, media_type='image/png'))
-        lines = [f'**{title_of(worst)}** in {self._headline.span}.', '', self._words(worst)]
-        words = rr.TextDocument('\n'.join(lines), media_type=rr.MediaType.MARKDOWN)
+        """Show the worst sustained verdict if the recording ends with another one or without."""
+        end, time = self._headline.ending, self.asset.judged
+        verdict, span = self._headline.last, ''
+        if end:
+            verdict, span = self._headline.worst.best, f' in {self._headline.span}'
+        if self._lapsed is not None:
+            why, time = self._lapsed
+            end = end or _lack(why)
+        if end:
+            card = _card(int(verdict.result), title_of(verdict), f'at the end: {end}')
+            text = f'**{title_of(verdict)}**{span}.\n\n{self._words(verdict)}'
+            self._put(time + 1, card, text)
+
+    def _put(self, time: int, card: bytes, text: str) -> None:
+        """Draw card and words at a time in ns."""
+        self.canvas.put('card', time, rr.EncodedImage(contents=card, media_type='image/png'))
+        words = rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
 
     def _words(self, diagnosis: Any) -> str:
@@ -107,6 +135,11 @@ class VerdictPicture(Picture):
             lines += ['', f'**{name}:** {text}'] if len(text) > longest else []
         lines += ['', *(f'- {reason}' for reason in reasons(diagnosis))]
         return '\n'.join(lines)
+
+
+def _lack(why: str) -> str:
+    """Return in two or three words what is missing, given why there is no verdict."""
+    return 'no vibration' if 'no vibration' in why else 'no new verdict'
 
 
 @lru_cache(maxsize=32)
