@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin import __version__
 from bearing_twin.assets.messages import time_message
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.plainyaml import load_plain
+from bearing_twin.recording.plainyaml import load_table
 from bearing_twin_msgs.msg import Checkpoint
 from std_msgs.msg import Header
 
@@ -78,10 +78,7 @@ class Checkpoints:
 
 def configuration_values(checkpoint: Any) -> dict[str, Any]:
     """Return the parameters in the configuration of a checkpoint, by name."""
-    values = load_plain(str(checkpoint.configuration), 'the configuration of a checkpoint')
-    if not isinstance(values, dict):
-        raise BearingTwinError('the configuration of a checkpoint is no table of parameters')
-    return values
+    return load_table(str(checkpoint.configuration), 'the configuration of a checkpoint')
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import LONGEST_TEXT
 from bearing_twin.recording.mcap.schema import message_schema, store_from_text
-from bearing_twin.recording.plainyaml import load_plain
+from bearing_twin.recording.plainyaml import load_table
 from bearing_twin.recording.snapshot import SnapshotWriter
 from bearing_twin.recording.topics import CHECKPOINT, DIAGNOSIS, LEVEL_FAULT
 from bearing_twin.wholefile import free_path, given_path
@@ -159,7 +159,7 @@ class RecordingWatch:
         self._unread[node] = str(checkpoint.version)
 
     def _attach(self, node: str, version: str) -> None:
-        values = load_plain(self._configurations[node], 'it')
+        values = load_table(self._configurations[node], 'it')
         parameters = yaml.safe_dump({node: {'ros__parameters': values}}, sort_keys=True)
         name = node.strip('/').replace('/', '.')
         self._writer.attach(f'{name}.yaml', parameters.encode(), 'application/yaml')

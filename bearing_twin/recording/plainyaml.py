@@ -41,6 +41,22 @@ def load_plain(text: str, what: str) -> Any:
         raise BearingTwinError(f'{what} cannot be read as YAML: {reason}') from None
 
 
+def load_table(text: str, what: str) -> dict[str, Any]:
+    """
+    Return the parameters in an untrusted YAML text, by name.
+
+    Raises
+    ------
+    BearingTwinError
+        If :func:`load_plain` refuses the text, or if it is no table.
+
+    """
+    values = load_plain(text, what)
+    if not isinstance(values, dict):
+        raise BearingTwinError(f'{what} is no table of parameters')
+    return values
+
+
 def _refuse_structure(text: str) -> None:
     """
     Refuse deep nesting, very many parts, and references to other parts of the text.

@@ -11,7 +11,6 @@ from bearing_twin.assets.parameters.twin import build_parameters
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.bearing.geometry import fault_orders
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.recording.plainyaml import load_plain
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED, SOURCE_SIMULATED
 from bearing_twin.view.trends import zone_limits
 
@@ -45,17 +44,11 @@ class Source:
         """Forget the vibration messages taken so far."""
         self._sources.clear()
 
-    def checkpoint(self, message: Any) -> None:
-        """Take a Checkpoint message."""
-        node, kind = str(message.node), str(message.kind)
-        if kind in ('twin', 'diagnosis'):
-            self.parameters(node, kind, load_plain(str(message.configuration), f'the {kind}'))
-
-    def parameters(self, node: str, kind: str, values: Any) -> None:
-        """Take the parameters of the twin or the diagnosis that a node runs."""
+    def parameters(self, node: str, kind: str, values: dict[str, Any]) -> None:
+        """Take the parameters of a node of a kind: those of a twin or of the diagnosis count."""
         if kind == 'twin':
             self._twin = f'{node}, {twin_in_words(values)}'
-        elif isinstance(values, dict):
+        elif kind == 'diagnosis':
             self.zones = zone_limits(values.get('power_group'), values.get('mounting'))
 
     @property
@@ -78,7 +71,7 @@ class Source:
         return f'{text}, {self.frame}' if self.frame else text
 
 
-def fleet_tables(node: str, kind: str, values: Any) -> dict[str, Any]:
+def fleet_tables(node: str, kind: str, values: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """
     Return the parameters of each asset of a fleet by its namespace; empty for other nodes.
 
@@ -90,9 +83,10 @@ def fleet_tables(node: str, kind: str, values: Any) -> dict[str, Any]:
     {'/plant/line3/pump': {'defect': 'inner'}}
 
     """
-    if kind != 'fleet' or not isinstance(values, dict):
+    if kind != 'fleet':
         return {}
-    return {f'{node.rpartition("/")[0]}/{name}': table for name, table in values.items()}
+    parent = node.rpartition('/')[0]
+    return {f'{parent}/{n}': table for n, table in values.items() if isinstance(table, dict)}
 
 
 def bearing_in_words(name: str, *, orders: bool = False) -> str:
@@ -112,7 +106,7 @@ def bearing_in_words(name: str, *, orders: bool = False) -> str:
     )
 
 
-def twin_in_words(values: Any) -> str:
+def twin_in_words(values: dict[str, Any]) -> str:
     """Return preset and defects of a twin in words."""
     try:
         defects = build_parameters(values).defects

@@ -11,7 +11,6 @@ from bearing_twin.view.source import Source, twin_in_words
 from drawn import header, message
 import numpy as np
 import pytest
-import yaml
 
 
 def test_means_are_of_their_class_and_ratios_refer_to_20_degrees():
@@ -121,10 +120,7 @@ def test_vibration_says_itself_whether_it_is_simulated():
     source.vibration(block)
     assert source.text == 'simulated by a twin'
     values = {'preset': 'incipient', 'bearing': '6307', 'defect': 'inner:width=0.0024+ball'}
-    configuration = yaml.safe_dump(values)
-    source.checkpoint(
-        message('Checkpoint', kind='twin', node='/twin', configuration=configuration)
-    )
+    source.parameters('/twin', 'twin', values)
     assert source.text.startswith('simulated by /twin, ')
 
 

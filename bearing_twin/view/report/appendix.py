@@ -78,11 +78,11 @@ def appendix(
     ]
 
 
-def off_default(kind: str, values: Any) -> list[tuple[str, str]]:
+def off_default(kind: str, values: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the parameters of a node that differ from their defaults, and the defaults."""
     rows = []
     specs = {spec.name: spec for spec in (*SPECS.get(kind, ()), AUTOSTART)}
-    for name, value in values.items() if isinstance(values, dict) else ():
+    for name, value in values.items():
         spec = specs.get(name)
         # Values in the metadata are texts.
         if spec is None or str(value) != str(spec.default):

@@ -14,7 +14,7 @@ from bearing_twin.recording import topics
 from bearing_twin.recording.finding import natural
 from bearing_twin.recording.health import examine
 from bearing_twin.recording.mcap.catalogue import known_fields
-from bearing_twin.recording.plainyaml import load_plain
+from bearing_twin.recording.plainyaml import load_table
 from bearing_twin.stamps import NANO
 from bearing_twin.streams.vibration_input import HIGHEST_RATE
 from bearing_twin.view.over_temperature import OverTemperature
@@ -64,7 +64,7 @@ class Machine:
     unit: str = ''
     source: Source = field(default_factory=Source)
     over_temperature: OverTemperature = field(default_factory=OverTemperature)
-    parameters: dict[str, tuple[str, Any]] = field(default_factory=dict)
+    parameters: dict[str, tuple[str, dict[str, Any]]] = field(default_factory=dict)
     """Kind and parameters of each node."""
     unread: dict[str, tuple[int, str]] = field(default_factory=dict)
     """Number of unreadable messages and the first reason, by topic."""
@@ -91,7 +91,7 @@ class Machine:
     @property
     def hardware(self) -> str:
         """``hardware_id`` of the asset or sensor from a node's parameters; '' if not given."""
-        named = (v.get('hardware_id') for _, v in self.parameters.values() if isinstance(v, dict))
+        named = (v.get('hardware_id') for _, v in self.parameters.values())
         return next((str(name) for name in named if name), '')
 
     @property
@@ -148,11 +148,11 @@ class Machine:
         self.calibrations.append((time, message))
 
     def _checkpoint(self, _: float, message: Any) -> None:
-        node = str(message.node)
+        node, kind = str(message.node), str(message.kind)
         with contextlib.suppress(BearingTwinError):
-            values = load_plain(str(message.configuration), f'the configuration of {node}')
-            self.parameters[node] = str(message.kind), values
-            self.source.checkpoint(message)
+            values = load_table(str(message.configuration), f'the configuration of {node}')
+            self.parameters[node] = kind, values
+            self.source.parameters(node, kind, values)
 
     def _spectrum(self, _: float, message: Any) -> None:
         if np.asarray(message.values).size and message.bin_hz > 0.0:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bearing_twin.recording.plainyaml import load_plain
+from bearing_twin.recording.plainyaml import load_table
 from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.source import bearing_in_words, fleet_tables
 import rerun as rr
@@ -21,12 +21,12 @@ class CheckpointPicture(Picture):
 
     def draw(self, message: Any, time: int) -> bool:
         """Draw a checkpoint at ``time`` in ns."""
-        self.asset.source.checkpoint(message)
-        values = load_plain(str(message.configuration), f'the configuration of {message.node}')
-        tables = fleet_tables(str(message.node), str(message.kind), values)
-        for namespace, table in tables.items():
-            self.asset.sources[namespace].parameters(str(message.node), 'twin', table)
-        lines = [f'### {message.node}: {message.kind}, bearing_twin {message.version}', '']
+        node, kind = str(message.node), str(message.kind)
+        values = load_table(str(message.configuration), f'the configuration of {node}')
+        self.asset.source.parameters(node, kind, values)
+        for namespace, table in fleet_tables(node, kind, values).items():
+            self.asset.sources[namespace].parameters(node, 'twin', table)
+        lines = [f'### {node}: {kind}, bearing_twin {message.version}', '']
         for name, table in parameter_tables(values).items():
             lines += [f'#### {name}', ''] if name else []
             if bearing := str(table.get('bearing') or ''):
@@ -40,14 +40,12 @@ class CheckpointPicture(Picture):
         return True
 
 
-def parameter_tables(values: Any, prefix: str = '') -> dict[str, dict[str, Any]]:
+def parameter_tables(values: dict[str, Any], prefix: str = '') -> dict[str, dict[str, Any]]:
     """
     Return flat tables of parameters by asset.
 
     A node has one table, called ''. A fleet has one for each of its assets.
     """
-    if not isinstance(values, dict):
-        return {}
     own = {str(key): value for key, value in values.items() if not isinstance(value, dict)}
     tables = {prefix: own} if own else {}
     for key, value in values.items():
