@@ -121,10 +121,11 @@ def alpha_strain(temperature: float) -> float:
 
 
 @functools.cache
-def beta0(factor: settings.Factor, temperature: float, delta_mu: float | None = None) -> float:
+def beta0(
+    factor: settings.Factor, temperature: float, delta_mu: float = settings.DELTA_MU
+) -> float:
     """Equations 14, 20, 22 and 24: the common factor on K_b and C_d."""
-    weight = settings.DELTA_MU if delta_mu is None else delta_mu
-    return settings.factor_of(factor, delta_mu=weight).at(temperature)
+    return settings.factor_of(factor, delta_mu=delta_mu).at(temperature)
 
 
 def static_force(

@@ -20,12 +20,9 @@ if TYPE_CHECKING:
     from bearing_twin.paper.claims.claim import Claim
 
 
-_DIGITS = 6
-
-
 def figure_name(number: str) -> str:
     """Return the file name of a figure, e.g. ``figure-09.png``."""
-    return f'figure-{number:0>2}.png' if number.isdigit() else f'figure-{number}.png'
+    return f'figure-{number:0>2}.png'
 
 
 def summary_line(claims: Sequence[Claim]) -> str:
@@ -72,7 +69,7 @@ def render_report(claims: Sequence[Claim]) -> str:
         'of simulation.',
     ]
     for number, drawing in FIGURES.items():
-        name = f'Figure {number}' if number.isdigit() else 'Map'
+        name = f'Figure {number}'
         parts += [f'### {name}. {drawing.caption}', f'![{name}]({figure_name(number)})']
     return '\n\n'.join(parts) + '\n'
 
@@ -108,7 +105,7 @@ def _tables() -> str:
 
 
 def _value(value: Any) -> str:
-    value = rounded(value, _DIGITS)
+    value = rounded(value)
     if value is None:
         return '—'
     if isinstance(value, Mapping):

@@ -131,16 +131,16 @@ def _outcome(lead: str, held: Mapping[str, bool]) -> str:
     return text
 
 
-def rounded(value: Any, digits: int = 6) -> Any:
-    """Round every number inside ``value`` to significant digits; NumPy becomes plain Python."""
+def rounded(value: Any) -> Any:
+    """Round every number inside ``value`` to 6 digits; NumPy becomes plain Python."""
     if isinstance(value, Mapping):
-        return {str(key): rounded(item, digits) for key, item in value.items()}
+        return {str(key): rounded(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):
-        return [rounded(item, digits) for item in value]
+        return [rounded(item) for item in value]
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, (float, np.floating)):
-        return float(f'{value:.{digits}g}')
+        return float(f'{value:.6g}')
     if isinstance(value, np.integer):
         return int(value)
     return value

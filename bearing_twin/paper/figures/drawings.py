@@ -61,8 +61,7 @@ def _registry() -> dict[str, Drawing]:
                 drawings[str(number)] = Drawing(
                     f'{caption}: {factor}', functools.partial(draw, number=number, factor=factor)
                 )
-    order = sorted(drawings, key=lambda name: int(name) if name.isdigit() else 99)
-    return {name: drawings[name] for name in order}
+    return {number: drawings[number] for number in sorted(drawings, key=int)}
 
 
 FIGURES: Mapping[str, Drawing] = MappingProxyType(_registry())
