@@ -21,7 +21,7 @@ from bearing_twin.calibration.candidates.passage import load_range
 from bearing_twin.calibration.fit import decimated
 from bearing_twin.calibration.residual import MOVED, ResidualDecision, Residuals
 from bearing_twin.diagnosis.streaming import same_rate
-from bearing_twin.dynamics.equations.sensor_path import BAND_HZ, band_levels, distance
+from bearing_twin.dynamics.equations.sensor_path import BAND_HZ
 from bearing_twin.dynamics.parameters import check_bearing
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, unpack
@@ -195,14 +195,12 @@ class CalibrationCore:
         unit = self._record.newest.unit
         if not (unit == old.sensor_unit and same_rate(rate, old.situation.sample_rate)):
             return 'its sample rate or unit is another one'
-        x = x - x.mean()
-        level = 20.0 * math.log10(max(float(x.std()), 1e-300) / max(old.rms, 1e-300))
-        similarity = Similarity(distance(band_levels(x, rate), old.spectrum), level)
+        similarity = Similarity.of(x - x.mean(), rate, levels=old.spectrum, rms=old.rms)
         # The fit itself refuses values that are not finite.
-        if not similarity.dissimilar or math.isnan(level):
+        if not similarity.dissimilar or math.isnan(similarity.level):
             return ''
         return (
-            f'the vibration is {signed(level)} dB over that of the record that was '
+            f'the vibration is {signed(similarity.level)} dB over that of the record that was '
             f'fitted, at a log-spectral distance of {similarity.distance:.1f} dB'
         )
 

@@ -168,16 +168,29 @@ def read_fitted_model(text: str) -> FittedModel:
 
 
 class Similarity(NamedTuple):
-    """Similarity of the vibration of a twin and of its machine."""
+    """Similarity of vibration and of the record of a machine."""
 
     distance: float
     """Log-spectral distance, dB."""
     level: float
-    """Level of the twin relative to the machine, dB."""
+    """Level relative to the record, dB."""
+
+    @classmethod
+    def of(
+        cls,
+        samples: NDArray[np.floating[Any]],
+        sample_rate: float,
+        *,
+        levels: NDArray[np.float64],
+        rms: float,
+    ) -> Similarity:
+        """Compare vibration, shape (n,), with the `band_levels` and the RMS of a record."""
+        apart = distance(band_levels(samples, sample_rate), levels)
+        return cls(apart, 20.0 * math.log10(max(float(samples.std()), 1e-300) / max(rms, 1e-300)))
 
     @property
     def dissimilar(self) -> bool:
-        """Whether the twin does not resemble its machine."""
+        """Whether the vibration does not resemble the record."""
         return not (self.distance <= FARTHEST and abs(self.level) <= LOUDEST)
 
 
@@ -207,9 +220,7 @@ class Sensor:
         machine, rate = self.fitted_model, self.fitted_model.path.sample_rate
         if len(y) < COMPARED_S * rate:
             return None
-        apart = distance(band_levels(y, rate), machine.levels)
-        level = 20.0 * math.log10(max(float(y.std()), 1e-300) / max(machine.rms, 1e-300))
-        return Similarity(apart, level)
+        return Similarity.of(y, rate, levels=machine.levels, rms=machine.rms)
 
     def save(self) -> bytes:
         """Return the state of the filters."""
