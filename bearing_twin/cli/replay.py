@@ -72,6 +72,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _live(args: argparse.Namespace) -> int:
     from bearing_twin.nodes.replay import NODE
+    from bearing_twin.ros.processes.launching import parameter_words
     from bearing_twin.ros.processes.running import run as run_node
 
     parameters = {name: getattr(args, name) for name in LIVE}
@@ -79,11 +80,7 @@ def _live(args: argparse.Namespace) -> int:
     for name in ('topics', 'remap'):
         # ROS cannot tell the type of an empty list.
         parameters[name] = parameters[name] or ['']
-    words = ['--ros-args']
-    for name, value in parameters.items():
-        # JSON is YAML, and quotes every string.
-        words += ['-p', f'{name}:={json.dumps(value)}']
-    return run_node(NODE, words)
+    return run_node(NODE, ['--ros-args', *parameter_words(parameters)])
 
 
 def _offline(args: argparse.Namespace) -> int:

@@ -60,6 +60,23 @@ def ensure_log_folder() -> None:
     os.environ['ROS_LOG_DIR'] = tempfile.mkdtemp(prefix='ros_log_')
 
 
+def parameter_words(parameters: Mapping[str, object]) -> list[str]:
+    """
+    Return the words of ``--ros-args`` that give a node its parameters.
+
+    Examples
+    --------
+    >>> parameter_words({'recording': 'Lüfter 🌀', 'rate': 2.0})
+    ['-p', 'recording:="Lüfter 🌀"', '-p', 'rate:=2.0']
+
+    """
+    words = []
+    for name, value in parameters.items():
+        # JSON is YAML, and quotes every string; ROS reads no escaped pair of surrogates.
+        words += ['-p', f'{name}:={json.dumps(value, ensure_ascii=False)}']
+    return words
+
+
 class NodeProcesses:
     """Nodes of this package as processes; leaving the context ends all that it started."""
 
@@ -93,10 +110,7 @@ class NodeProcesses:
         ``ros`` holds further ``--ros-args``. ``within`` is a command that runs the node, such as
         ``ip netns exec HOST``.
         """
-        words = [*within, *COMMAND, 'run', module, '--ros-args']
-        for key, value in parameters.items():
-            # JSON is YAML, and quotes every string.
-            words += ['-p', f'{key}:={json.dumps(value, ensure_ascii=False)}']
+        words = [*within, *COMMAND, 'run', module, '--ros-args', *parameter_words(parameters)]
         name = name or module
         with (self._logs / f'{name}.log').open('wb') as log:
             self._processes[name] = self._begin([*words, *ros], log)
