@@ -202,7 +202,7 @@ def test_a_verdict_without_vibration_is_not_shown_as_that_of_now(
     verdict, now = last.decode(), last.log_time
 
     def say(name, level, text):
-        status = SimpleNamespace(name=name, level=bytes([level]), message=text)
+        status = SimpleNamespace(name=name, level=level, message=text)
         told = SimpleNamespace(status=[status])
         logger.log('/diagnostics', 'diagnostic_msgs/msg/DiagnosticArray', told, now)
 

@@ -152,8 +152,8 @@ class RerunLogger:
         """
         Draw a message that was received at ``time_ns``; never raise.
 
-        The message is any object with the fields of the ROS message. ``side`` is its recording's
-        name in `sides`, if these were given.
+        The message is one that rosbags decoded. ``side`` is its recording's name in `sides`, if
+        these were given.
         """
         if is_feature(topic):
             return

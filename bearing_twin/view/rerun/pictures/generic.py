@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
 import math
 import numbers
 from typing import Any, TYPE_CHECKING
@@ -33,21 +34,15 @@ def scalars(message: Any, prefix: str = '') -> Iterator[tuple[str, Any]]:
 
     Constants (upper case) and time stamps are left out.
     """
-    fields: Any = getattr(message, '__dataclass_fields__', None)
-    if fields is None:
-        fields = getattr(message, '__slots__', ())
-    for field in fields:
-        name = str(field).lstrip('_')
-        if name in SKIPPED or name.isupper() or name.startswith('_') or name == 'check_fields':
+    for name in (field.name for field in fields(message)):
+        if name in SKIPPED or name.isupper():
             continue
-        value = getattr(message, name, None)
-        if isinstance(value, (bool, numbers.Real)):
+        value = getattr(message, name)
+        if isinstance(value, numbers.Real):
             yield prefix + name, float(value)
-        elif hasattr(value, '__dataclass_fields__') or hasattr(value, '__slots__'):
+        elif is_dataclass(value):
             yield from scalars(value, f'{prefix}{name}/')
-        elif isinstance(value, (np.ndarray, memoryview, list, tuple)) or hasattr(
-            value, 'typecode'
-        ):
+        elif isinstance(value, (np.ndarray, list)):
             array = _numeric(value)
             if array is not None:
                 yield prefix + name, array

@@ -70,7 +70,7 @@ class HealthPicture(Picture):
             lane = self._lanes.get(name)
             if lane is None:
                 lane = self._lanes[name] = Lane(self.canvas, name, LANE_LEVELS)
-            level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
+            level = int(status.level)
             lane.set(level, time)
             if (namespace := _judged(status.name)) is not None:
                 told = (str(status.message), time) if level == STALE else None
