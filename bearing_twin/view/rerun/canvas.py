@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import io
 from typing import Any, TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.timebase import Timebase
     from bearing_twin.view.style import Colour
     from numpy.typing import NDArray
+    from PIL import Image
 
     class Emit(Protocol):
         """Sends a mark to every outlet; ``lasting`` ones go first."""
@@ -28,6 +30,13 @@ if TYPE_CHECKING:
 
 
 _T = TypeVar('_T', bound=np.generic)
+
+
+def png(image: Image.Image, colours: int) -> rr.EncodedImage:
+    """Return an image of few colours as Rerun shows it; a PNG of some kB."""
+    buffer = io.BytesIO()
+    image.quantize(colours).save(buffer, 'PNG', optimize=True)
+    return rr.EncodedImage(contents=buffer.getvalue(), media_type='image/png')
 
 
 @dataclass

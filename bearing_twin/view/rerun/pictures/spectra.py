@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from functools import cache, lru_cache
-import io
 import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_SUSPECT
 from bearing_twin.stamps import NANO
+from bearing_twin.view.rerun.canvas import png
 from bearing_twin.view.rerun.pictures.lanes import AGAIN
 from bearing_twin.view.rerun.pictures.picture import labelled_power, numbered_end, Picture
 from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
@@ -124,9 +124,8 @@ class SpectrumBars(Picture):
         nominal = {c.family: c.fundamental for c in picture.combs if not c.found}
         places = np.array([0.0, *nominal.values()])
         if self._changed('legend', time, places, 0.0, MARK_WIDTH * whole.end):
-            contents = _legend(tuple((k, number(hertz)) for k, hertz in nominal.items()))
-            image = rr.EncodedImage(contents=contents, media_type='image/png')
-            self.canvas.put('legend', time, image)
+            legend = _legend(tuple((k, number(hertz)) for k, hertz in nominal.items()))
+            self.canvas.put('legend', time, legend)
 
     def _hold(
         self, name: str, time: int, end: NDArray[np.float64], top: float, width: float
@@ -238,9 +237,9 @@ def _tensor() -> tuple[pa.StructType, pa.Array, list[pa.Buffer], list[pa.Array],
 
 
 @lru_cache(maxsize=32)
-def _legend(hertz: tuple[tuple[str, str], ...]) -> bytes:
+def _legend(hertz: tuple[tuple[str, str], ...]) -> rr.EncodedImage:
     """
-    Return a colour legend as PNG: a legend in the plot would cover lines.
+    Return a colour legend as an image: a legend in the plot would cover lines.
 
     Parameters
     ----------
@@ -262,6 +261,4 @@ def _legend(hertz: tuple[tuple[str, str], ...]) -> bytes:
             draw.rectangle((left, top + 12, left + 20, top + 32), fill=colours[key])
             draw.text((left + 28, top + 4), name, (230, 230, 230), font)
             left += 28 + draw.textlength(name, font) + 26
-    buffer = io.BytesIO()
-    image.quantize(32).save(buffer, 'PNG', optimize=True)
-    return buffer.getvalue()
+    return png(image, 32)

@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from functools import lru_cache
-import io
 from textwrap import fill
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.topics import LEVEL_FAULT, LEVEL_SUSPECT
 from bearing_twin.stamps import NANO, samples_ns
+from bearing_twin.view.rerun.canvas import png
 from bearing_twin.view.rerun.pictures.lanes import Lane
 from bearing_twin.view.rerun.pictures.picture import Asset, Picture
 from bearing_twin.view.style import ink, State, VERDICTS
@@ -106,9 +106,9 @@ class VerdictPicture(Picture):
             text = f'**{title_of(verdict)}**{span}.\n\n{self._words(verdict)}'
             self._put(time + 1, card, text)
 
-    def _put(self, time: int, card: bytes, text: str) -> None:
+    def _put(self, time: int, card: rr.EncodedImage, text: str) -> None:
         """Draw card and words at a time in ns."""
-        self.canvas.put('card', time, rr.EncodedImage(contents=card, media_type='image/png'))
+        self.canvas.put('card', time, card)
         words = rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
 
@@ -143,9 +143,9 @@ def _lack(why: str) -> str:
 
 
 @lru_cache(maxsize=32)
-def _card(number: int, text: str, below: str = '') -> bytes:
+def _card(number: int, text: str, below: str = '') -> rr.EncodedImage:
     """
-    Return a verdict as a coloured PNG, its letters as large as fit: legible across a room.
+    Return a verdict as a coloured image, its letters as large as fit: legible across a room.
 
     Notes
     -----
@@ -175,6 +175,4 @@ def _card(number: int, text: str, below: str = '') -> bytes:
         font = ImageFont.load_default(BELOW - 8)
         width = draw.textlength(below, font)
         draw.text(((CARD[0] - width) / 2, height - 14), below, letters, font)
-    buffer = io.BytesIO()
-    image.quantize(16).save(buffer, 'PNG', optimize=True)
-    return buffer.getvalue()
+    return png(image, 16)
