@@ -329,9 +329,6 @@ def _check_definition(topic: TopicInfo) -> None:
         raise BearingTwinError(msg)
 
 
-NODE = ReplayNode
-
-
 def remapping(rules: list[str]) -> dict[str, str]:
     """Return the new name by recorded name, from rules ``recorded:=new``."""
     names = {}
@@ -367,3 +364,6 @@ def check_remapping(names: Mapping[str, str], types: Mapping[str, str]) -> None:
         if taken.setdefault(new, kind) != kind:
             msg = f'remap puts {taken[new]} and {kind} on one topic, {new}; give {topic} another'
             raise BearingTwinError(msg)
+
+
+NODE = ReplayNode

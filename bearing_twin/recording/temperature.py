@@ -10,6 +10,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dates import seconds_since_1970, with_iso_dates
+from bearing_twin.recording.mcap.schema import standard_types
 from bearing_twin.recording.qos import sensor_qos
 from bearing_twin.recording.signals.csvfile import fields_of, HEAD, table_text, unit_in
 from bearing_twin.recording.signals.npz import read_npz, temperature_readings
@@ -18,7 +19,6 @@ from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import LATEST, NANO, split_ns
 import numpy as np
-from rosbags.typesys import get_typestore, Stores
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -204,7 +204,7 @@ def write_temperature_recording(
 
     ``start`` is in ns since 1970.
     """
-    store = get_typestore(Stores.ROS2_KILTED)
+    store = standard_types()
     temperature, header, time = (
         store.types[name]
         for name in (TEMPERATURE, 'std_msgs/msg/Header', 'builtin_interfaces/msg/Time')

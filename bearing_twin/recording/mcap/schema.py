@@ -159,7 +159,7 @@ def _own_text(type_name: str) -> str:
         path = Path(__file__).parents[3] / 'msg_defs' / kind / f'{name}.msg'
         if path.is_file():
             return path.read_text(encoding='utf-8')
-    store = _standard_types()
+    store = standard_types()
     if type_name not in store.fielddefs:
         raise BearingTwinError(
             f'the definition of {type_name} is not installed: no share/{package}/{kind}/{name}.msg'
@@ -184,5 +184,6 @@ def shared_folders(package: str) -> list[Path]:
 
 
 @cache
-def _standard_types() -> Typestore:
+def standard_types() -> Typestore:
+    """Return the message types of ROS itself."""
     return get_typestore(Stores.ROS2_KILTED)
