@@ -56,16 +56,14 @@ class DiagnosisRun(DiagnosisCore):
         text = yaml.safe_dump(self.values)
         return output('/diagnosis_checkpoint', self.checkpoint(block, text))
 
-    def push(
-        self, message: Any, *, temperature: float, joint_hz: float = math.nan
-    ) -> Iterator[Output]:
+    def push(self, message: Any, *, temperature: float) -> Iterator[Output]:
         """
-        Yield the node's messages for one vibration message of a file; arguments as of `take`.
+        Yield the node's messages for one vibration message of a file at a temperature, degC.
 
         A program may have made the file, with blocks that repeat the one before: none is refused.
         """
         block = read_vibration(message, self.values['axis'])
-        for due in self.take(block, temperature=temperature, joint_hz=joint_hz):
+        for due in self.take(block, temperature=temperature, joint_hz=math.nan):
             yield from self.outputs(due.judge(due.excerpt.analyse()))
 
     def outputs(self, verdict: Verdict) -> Iterator[Output]:

@@ -277,7 +277,8 @@ def record(
             block = read_vibration(message, 'y')
             if run.needs_checkpoint(block):
                 made.append(run.checkpoint_output(block))
-            made += run.push(message, temperature=math.nan, joint_hz=hz)
+            for due in run.take(block, temperature=math.nan, joint_hz=hz):
+                made += run.outputs(due.judge(due.excerpt.analyse()))
             for each in made:
                 writer.write(each.topic, each.type_name, each.cdr, log_time=stamp)
 
