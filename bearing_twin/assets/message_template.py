@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import functools
-import operator
 import struct
 from typing import Any, TYPE_CHECKING
 
@@ -58,7 +57,8 @@ class MessageTemplate:
         arrays: Sequence[str],
         serialize: Callable[[Any], bytes],
     ) -> None:
-        codes = [_code(message, name) for name in numbers]
+        fields = [_field(message, name) for name in numbers]
+        codes = [CODES[owner.get_fields_and_field_types()[last]] for owner, last in fields]
         sizes = [len(getattr(message, name)) for name in arrays]
         draw = np.random.default_rng(0)
         samples = []
@@ -66,10 +66,11 @@ class MessageTemplate:
             # Bytes of 1 to 63 never form an infinity, a NaN, or zeros, which could be padding.
             probes = [_bytes(draw, struct.calcsize(f'={code}')) for code in codes]
             blocks = [_bytes(draw, 4 * size) for size in sizes]
-            for name, code, raw in zip(numbers, codes, probes, strict=True):
-                _put(message, name, struct.unpack(f'={code}', raw)[0])
+            for (owner, last), code, raw in zip(fields, codes, probes, strict=True):
+                setattr(owner, last, struct.unpack(f'={code}', raw)[0])
             for name, raw in zip(arrays, blocks, strict=True):
-                _put(message, name, np.frombuffer(raw, np.float32))
+                # Write into the existing array of the field: no conversion of types.
+                np.frombuffer(getattr(message, name), np.uint8)[:] = np.frombuffer(raw, np.uint8)
             samples.append((bytes(serialize(message)), probes, blocks))
         # Set differing bytes to zero: they are the numbers to fill, or meaningless padding.
         serialized = np.array([np.frombuffer(cdr, np.uint8) for cdr, _, _ in samples])
@@ -111,20 +112,10 @@ class MessageTemplate:
         return message
 
 
-def _code(message: Any, name: str) -> str:
+def _field(message: Any, name: str) -> tuple[Any, str]:
+    """Return the message that has a field, and its name there, from its dotted name."""
     *path, last = name.split('.')
-    owner = functools.reduce(getattr, path, message)
-    return CODES[owner.get_fields_and_field_types()[last]]
-
-
-def _put(message: Any, name: str, value: Any) -> None:
-    *path, last = name.split('.')
-    owner = functools.reduce(getattr, path, message)
-    if isinstance(value, np.ndarray):
-        # Write into the existing array of the field: no conversion of types.
-        np.frombuffer(operator.attrgetter(last)(owner), np.float32)[:] = value
-    else:
-        setattr(owner, last, value)
+    return functools.reduce(getattr, path, message), last
 
 
 def _bytes(draw: np.random.Generator, count: int) -> bytes:

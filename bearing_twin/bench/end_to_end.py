@@ -34,7 +34,7 @@ NODES = ('twin', 'diagnosis', 'recorder')
 
 
 def live_run(
-    seconds: float, *, calibrate: bool = False, progress: Callable[[float], None] | None = None
+    seconds: float, *, calibrate: bool, progress: Callable[[float], None]
 ) -> dict[str, float]:
     """
     Run twin, diagnosis and recorder (MCAP and Rerun, served and saved) for one bearing.
@@ -84,13 +84,12 @@ def live_run(
         }
 
 
-def _watch(nodes: NodeProcesses, seconds: float, progress: Callable[[float], None] | None) -> None:
+def _watch(nodes: NodeProcesses, seconds: float, progress: Callable[[float], None]) -> None:
     began = time.monotonic()
     while (passed := time.monotonic() - began) < seconds:
         time.sleep(min(STEP, seconds - passed))
         nodes.check()
-        if progress is not None:
-            progress(time.monotonic() - began)
+        progress(time.monotonic() - began)
 
 
 def wait_for(

@@ -126,7 +126,7 @@ class HeadlessViewer:
 
     """
 
-    def __init__(self, sources: Sequence[str], *, size: tuple[int, int] = (1800, 1100)) -> None:
+    def __init__(self, sources: Sequence[str], *, size: tuple[int, int]) -> None:
         from rerun.experimental import ViewerClient
 
         self._live = any('://' in source for source in sources)
