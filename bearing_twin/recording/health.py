@@ -72,7 +72,8 @@ class RecordingHealth:
                     f'{name}: {topic.samples_missing} samples are missing in {topic.gaps} gaps'
                 )
             if topic.restarts:
-                found.append(f'{name}: the sample index goes back {topic.restarts} times')
+                times = f'{topic.restarts} times' if topic.restarts > 1 else 'once'
+                found.append(f'{name}: the sample index goes back {times}')
             if topic.alternations:
                 found.append(
                     f'{name}: several sources alternate {topic.alternations} times on this topic; '

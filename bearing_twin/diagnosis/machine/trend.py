@@ -63,6 +63,8 @@ class Source:
     (True, False)
     >>> print(machine)
     sensor 'imu y', bearing '6205', 'm/s^2', 12000 Hz
+    >>> print(replace(machine, unit=''))
+    sensor 'imu y', bearing '6205', unit unknown, 12000 Hz
 
     """
 
@@ -83,7 +85,8 @@ class Source:
     def __str__(self) -> str:
         """Return the source in words, for a message."""
         rate = f'{self.sample_rate:.5g} Hz'
-        return f'sensor {self.sensor!r}, bearing {self.bearing!r}, {self.unit!r}, {rate}'
+        unit = repr(self.unit) if self.unit else 'unit unknown'
+        return f'sensor {self.sensor!r}, bearing {self.bearing!r}, {unit}, {rate}'
 
 
 @dataclass(frozen=True)
