@@ -270,6 +270,36 @@ def test_the_last_verdict_ends_with_the_recording(recording):
     assert patch.get_x() + patch.get_width() == pytest.approx(machine.end)
 
 
+def test_nothing_is_drawn_over_a_pause(recording):
+    """A sensor that was off for ten seconds: neither a verdict nor a level of that time."""
+    (machine,) = machines_of(recording).values()
+    for name in ('vibration', 'diagnoses', 'measured', 'states'):
+        items = getattr(machine, name)
+        items[:] = [item for item in items if not 15.0 < item[0] < 25.0]
+    (verdict, temperature, level) = _history(machine)[1].axes
+    patches = [(p.get_x(), p.get_x() + p.get_width()) for p in verdict.patches]
+    assert patches[-1][1] == pytest.approx(machine.end)
+    for axes in (temperature, level):
+        for line in axes.get_lines():
+            time, values = line.get_data()
+            joined = np.flatnonzero(np.isfinite(values[:-1] + values[1:]))
+            patches += [(time[k], time[k + 1]) for k in joined]
+    assert not [p for p in patches if p[0] < 17.0 and p[1] > 23.0]
+    lines = _evidence(machine)[1].axes[0].get_lines()[: len(FAMILIES)]
+    assert all(np.isnan(line.get_ydata()).sum() == 1 for line in lines)
+
+
+@pytest.mark.parametrize('missing', [0, 40])
+def test_snapshots_are_joined_as_a_stream_is(recording, missing):
+    """A pause is what is long beside the others, not the minute from each snapshot to the next."""
+    (machine,) = machines_of(recording).values()
+    made = machine.diagnoses[0][1]
+    machine.diagnoses = [(60.0 * k, made) for k in range(100) if not 30 < k <= 30 + missing]
+    axes = Figure().subplots()
+    _patches(axes, machine, 1.0)
+    assert len(axes.patches) == (2 if missing else 1)
+
+
 @pytest.mark.parametrize(
     ('left_out', 'caption'),
     [

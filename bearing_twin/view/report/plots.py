@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from textwrap import wrap
 from typing import Any, TYPE_CHECKING
 
@@ -55,6 +56,8 @@ LETTER = 4.8
 """Width of a letter in a lane, points."""
 LANES_IN_A_FIGURE = 40
 """Largest number of machines in one figure: it fits a sheet."""
+PAUSE = 0.02
+"""Part of a time axis from which on a pause is seen: no line is drawn over it."""
 LONGEST_NAME = 36
 """Longest name of a machine beside a lane, letters."""
 
@@ -172,10 +175,14 @@ def _patches(axes: Axes, machine: Machine, letter: float, row: int = 0) -> dict[
     A patch that is long enough has its name in it; ``letter`` is the width of a letter, s.
     """
     times = _times(machine.diagnoses)
-    # A verdict holds until the next, the last one until the recording ends.
+    # A verdict holds until the next, the last one until the recording ends; but not over a pause.
     ends = np.append(times[1:], machine.end)
+    pauses = _pauses(np.append(times, machine.end))
+    ends[pauses] = times[pauses] + np.median(np.diff(times)) if times.size > 1 else machine.end
     names = [str(message.result_name) for _, message in machine.diagnoses]
-    changes = [k for k in range(len(names)) if k == 0 or names[k] != names[k - 1]]
+    changes = [
+        k for k in range(len(names)) if k == 0 or names[k] != names[k - 1] or k - 1 in pauses
+    ]
     seen: dict[str, Rectangle] = {}
     for first, after in zip(changes, [*changes[1:], len(names)], strict=True):
         ground = verdict_state(names[first]).colour
@@ -203,13 +210,13 @@ def _lane(axes: Axes, machine: Machine) -> None:
 
 def _temperature(axes: Axes, machine: Machine) -> None:
     if machine.measured:
-        time, measured = _columns(machine.measured)
+        time, measured = _parted(_columns(machine.measured))
         axes.plot(time, measured, color='#c62828', linewidth=1.2, label='measured')
     if machine.states:
         used = _values(machine.states, 'temperature_used')
         axes.plot(
-            _times(machine.states), used, color='#1565c0', linewidth=1.0, dashes=(4, 2),
-            label='used by the twin',
+            *_parted(np.stack([_times(machine.states), used])), color='#1565c0', linewidth=1.0,
+            dashes=(4, 2), label='used by the twin',
         )  # fmt: skip
     axes.set_ylabel('°C')
     axes.set_title('bearing temperature')
@@ -217,7 +224,7 @@ def _temperature(axes: Axes, machine: Machine) -> None:
 
 
 def _level(axes: Axes, machine: Machine) -> None:
-    time, rms, peak = _thinned(_columns(machine.vibration))
+    time, rms, peak = _parted(_thinned(_columns(machine.vibration)))
     axes.plot(time, peak, color='#90a4ae', linewidth=0.7, label='peak')
     axes.plot(time, rms, color='#1565c0', linewidth=1.2, label='rms')
     axes.set_ylabel(pretty(machine.unit))
@@ -241,6 +248,22 @@ def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
         ]
     )
     return thinned
+
+
+def _pauses(times: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return the indices of the times after which nothing is for so long that it is seen."""
+    steps = np.diff(times)
+    if not steps.size:
+        return np.empty(0, dtype=np.intp)
+    return np.flatnonzero(steps > max(PAUSE * (times[-1] - times[0]), 3.0 * np.median(steps)))
+
+
+def _parted(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return columns of (time, values...) with NaN for values in pauses, which parts the lines."""
+    after = _pauses(rows[0]) + 1
+    parted: NDArray[np.float64] = np.insert(rows, after, math.nan, axis=1)
+    parted[0] = np.insert(rows[0], after, rows[0, after])
+    return parted
 
 
 def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
@@ -276,7 +299,8 @@ def _waterfall(machine: Machine) -> tuple[str, Figure] | None:
     axes.set(xlim=(0.0, duration), ylim=(-1.6, len(strips) + 0.6), xlabel='time [ms]')
     axes.grid(axis='y', visible=False)
     over = ' over temperature, one strip every 5 K, to one scale' if known else ''
-    caption = f'Waveform{over}: the largest swing is {peak:.3g} {pretty(machine.unit)}'
+    unit = pretty(machine.unit) if machine.unit else '(unit unknown)'
+    caption = f'Waveform{over}: the largest swing is {peak:.3g} {unit}'
     return caption, figure
 
 
@@ -440,6 +464,8 @@ def _panel(
     limits: Sequence[Limit],
 ) -> None:
     """Draw the curves of a panel, its band and its limits."""
+    time, *parted = _parted(np.stack([time, *(values for _, values in lines)]))
+    lines = [(trend, values) for (trend, _), values in zip(lines, parted, strict=True)]
     for trend, values in lines:
         colour, number = hex_colour(trend.colour), panel.trends.index(trend)
         # Fractions of the diagonal: the markers of a line are beside those of the others.
