@@ -222,6 +222,21 @@ def test_pictures(good, tmp_path, capsys):
     assert 'inner [fault]' in capsys.readouterr().out
 
 
+def test_a_record_without_a_spectrum_says_that_it_has_no_picture(good, tmp_path, capsys):
+    short, plots = tmp_path / 'short.npz', tmp_path / 'plots'
+    np.savez(short, x=fault_signal(0.2), fs=RATE, rpm=60.0 * SHAFT_HZ)
+    args = ['diagnose', str(short), str(good), '--bearing', '6307', '--plot', str(plots)]
+    assert main([*args, '--json', '--jobs', '1']) == 0
+    said, error = capsys.readouterr()
+    assert error == (
+        f'bearing-twin diagnose: {short}: no picture, as it has no spectrum: see the reasons of '
+        'its verdict\n'
+    )
+    assert len(list(plots.iterdir())) == 1
+    # Not a part of the answer.
+    assert all('drawn' not in json.loads(line) for line in said.splitlines())
+
+
 def test_a_picture_that_cannot_be_written_ends_no_batch(good, tmp_path, capsys):
     files, plots = [str(good)] * 2, tmp_path / 'file'
     plots.write_text('')

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import file_name, refuse_given
 from bearing_twin.cli.diagnose.spread import answers
-from bearing_twin.cli.diagnose.task import CARD, Task
+from bearing_twin.cli.diagnose.task import CARD, DRAWN, Task
 from bearing_twin.cli.signal_arguments import (
     add_reading,
     channels_of,
@@ -112,6 +112,9 @@ def run(args: argparse.Namespace) -> int:
         if 'error' in answer:
             unread += 1
             print(f'bearing-twin diagnose: {shown(answer["error"])}', file=sys.stderr, flush=True)
+        if not answer.pop(DRAWN, True):
+            why = 'no picture, as it has no spectrum: see the reasons of its verdict'
+            print(f'bearing-twin diagnose: {shown(answer["file"])}: {why}', file=sys.stderr)
         if args.json:
             answer.pop(CARD, None)
             print(json.dumps(answer), flush=True)

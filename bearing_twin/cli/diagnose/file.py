@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import diagnosis_message
 from bearing_twin.bearing import named_bearing
-from bearing_twin.cli.diagnose.task import CARD
+from bearing_twin.cli.diagnose.task import CARD, DRAWN
 from bearing_twin.cli.diagnose.text import card
 from bearing_twin.cli.signal_arguments import unread
 from bearing_twin.cli.terminal import plain
@@ -56,7 +56,8 @@ def diagnose_file(task: Task) -> dict[str, Any]:
             temperature=signal.temperature,
             settings=settings,
         )
-        if task.plot and diagnosis.spectrum.values.size:
+        drawn = not task.plot or diagnosis.spectrum.values.size > 0
+        if task.plot and drawn:
             from bearing_twin.cli.plots import draw_diagnosis
 
             title = f'{Path(task.path).name}, {bearing.name}'
@@ -84,6 +85,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'reasons': list(diagnosis.reasons),
         'next_step': next_step(message),
         CARD: card(message),
+        DRAWN: drawn,
     }
 
 

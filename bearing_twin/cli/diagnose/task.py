@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 CARD = 'card'
 """Key of an answer's rows for people, which are not in its JSON."""
+DRAWN = 'drawn'
+"""Key that tells whether the picture was drawn that was asked for; not in the JSON either."""
 
 
 @dataclass(frozen=True, kw_only=True)
