@@ -86,6 +86,7 @@ def test_help_of_a_node_lists_its_parameters(node, capsys):
     assert main(['run', node, '--help']) == 0
     out = capsys.readouterr().out
     assert f'usage: bearing-twin run {node} --ros-args' in out.replace('[', '').replace(']', '')
+    assert max(map(len, out.splitlines())) <= 80
     names = re.findall(r'^  ([a-z0-9_.]+)  ', out, re.MULTILINE)
     assert len(names) == len(set(names)) >= 5
     expected = {'twin': 'defect', 'diagnosis': 'bearing', 'recorder': 'output', 'replay': 'loop',
@@ -181,6 +182,31 @@ def test_an_answer_takes_the_line_of_progress_away(tmp_path):
     assert said.endswith('\r2 of 2 files\x1b[K\r\n')
 
 
+def test_text_is_as_narrow_as_its_terminal_and_cuts_no_word(tmp_path):
+    for name in ('a', 'b'):
+        np.savez(tmp_path / f'{name}.npz', x=np.zeros(100), fs=1000.0, rpm=600.0)
+    files = [tmp_path / f'{name}.npz' for name in ('a', 'b')]
+    for words in (['bearings', '6205'], ['diagnose', files[0]], ['diagnose', *files]):
+        words += ['--bearing', '6307', '--jobs', '1'] if words[0] == 'diagnose' else []
+        said = in_terminal(
+            lambda out, words=words: start_command(*words, out=out, COLUMNS='60', NO_COLOR='1')
+        )
+        lines = re.sub(r'\x1b\[K|.*\r(?!\n)', '', said).splitlines()
+        assert max(len(line) for line in lines if str(tmp_path) not in line) <= 60
+        # The words are those of a file, where a line for each statement can be searched.
+        file = run_command(*words, NO_COLOR='1').stdout
+        assert [word for line in lines for word in line.split()][
+            : len(file.split())
+        ] == file.split()
+    assert len(file.splitlines()) == 4
+
+
+def test_a_node_that_is_not_named_is_all_that_is_missing(capsys):
+    with pytest.raises(SystemExit):
+        main(['run'])
+    assert capsys.readouterr().err.endswith('are required: NODE\n')
+
+
 def test_live_view_without_a_server_fails_at_once(capsys, monkeypatch):
     asked, connect = [], socket.create_connection
 
@@ -218,6 +244,8 @@ def test_what_the_system_refuses_is_said_in_a_sentence(command, capsys):
         (['fit', 'a.npz', '--shaft_hz=25'], 'bearing-twin fit', '--shaft-hz'),
         (['bearings', 'SKF', '6205'], 'bearing-twin bearings', None),
         (['--versoin'], 'bearing-twin', '--version'),
+        (['diagnos', 'a.npz'], 'bearing-twin', 'diagnose'),
+        (['doctor'], 'bearing-twin', None),
     ],
 )
 def test_an_unknown_option_is_answered_with_the_one_that_was_meant(words, usage, meant, capsys):

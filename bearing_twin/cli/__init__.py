@@ -24,7 +24,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
-from bearing_twin.cli.arguments import refuse_unknown, take_as_meant
+from bearing_twin.cli.arguments import refuse_command, refuse_unknown, take_as_meant
 from bearing_twin.cli.terminal import mend_streams, report_compiling
 from bearing_twin.errors import BearingTwinError, REFUSED, shown, UsageError
 from bearing_twin.memory import begin_collection, keep_freed_memory
@@ -105,6 +105,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         import argcomplete
 
         argcomplete.autocomplete(parser)
+    elif chosen and chosen not in commands:
+        refuse_command(parser, chosen, commands)
     args, unknown = parser.parse_known_args(arguments)
     if unknown:
         refuse_unknown(getattr(args, 'parser', parser), unknown)

@@ -30,6 +30,12 @@ def refuse_given(args: argparse.Namespace, options: Iterable[str], why: str) -> 
         raise UsageError(f'{names}: {why}')
 
 
+def refuse_command(parser: argparse.ArgumentParser, word: str, names: Iterable[str]) -> None:
+    """End with the usage of a parser if a word that is no command resembles one of ``names``."""
+    if near := difflib.get_close_matches(word, names, n=1):
+        parser.error(f'there is no command {shown(word)!r}; did you mean {near[0]}?')
+
+
 def refuse_unknown(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """End with the usage of a parser, the words that it does not know, and the nearest options."""
     options = sorted(set(re.findall(r'--[a-z][a-z-]*', parser.format_help())))

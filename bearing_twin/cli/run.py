@@ -7,10 +7,9 @@ from __future__ import annotations
 import argparse
 import importlib
 import inspect
-import textwrap
 from typing import Any, TYPE_CHECKING
 
-from bearing_twin.cli.terminal import by_level
+from bearing_twin.cli.terminal import by_level, fitted
 from bearing_twin.memory import begin_collection
 
 if TYPE_CHECKING:
@@ -27,11 +26,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=NODES,
         help=f'one of {", ".join(NODES)}; NODE --help: its parameters',
     )
-    parser.add_argument(
+    rest = parser.add_argument(
         'arguments',
         nargs=argparse.REMAINDER,
         help='passed on to the node, e.g. --ros-args -p defect:=inner -r __ns:=/line3',
     )
+    # Without a NODE, argparse would call them required too.
+    rest.required = False
 
 
 def run(args: argparse.Namespace) -> int:
@@ -51,19 +52,19 @@ def _help(name: str, module: Any) -> str:
     specs: tuple[Spec, ...] = module.SPECS
     if name == 'twin':
         specs = (*specs, *module.PUBLISHING)
+    usage = f'usage: bearing-twin run {name} [--ros-args -p PARAMETER:=VALUE ... -r FROM:=TO ...]'
     lines = [
-        f'usage: bearing-twin run {name} [--ros-args -p PARAMETER:=VALUE ... -r FROM:=TO ...]',
+        *fitted(usage, indent='    '),
         '',
-        *inspect.cleandoc(module.__doc__ or '').splitlines(),
+        *fitted(inspect.cleandoc(module.__doc__ or '')),
         '',
         'parameters (default, values, meaning):',
     ]
     for spec in specs:
         default = ','.join(spec.default) if isinstance(spec.default, list) else spec.default
-        lines.append(f'  {by_level(spec.name, "bold")}  {default!r} {_values(spec)}'.rstrip())
-        lines += textwrap.wrap(
-            spec.description, 90, initial_indent=' ' * 6, subsequent_indent=' ' * 6
-        )
+        first, *more = fitted(f'{spec.name}  {default!r} {_values(spec)}', '  ', ' ' * 8)
+        lines += [first.replace(spec.name, by_level(spec.name, 'bold'), 1), *more]
+        lines += fitted(spec.description, ' ' * 6, ' ' * 6)
     return '\n'.join(lines)
 
 

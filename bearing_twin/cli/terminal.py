@@ -10,6 +10,7 @@ import math
 from numbers import Integral, Real
 import os
 from pathlib import Path
+from shutil import get_terminal_size
 import sys
 import textwrap
 from typing import Any, TYPE_CHECKING
@@ -70,9 +71,26 @@ def report_compiling(command: str) -> None:
         print(f'bearing-twin {command}: {why}', file=sys.stderr, flush=True)
 
 
+def fitted(text: str, first: str = '', indent: str = '', *, width: int = 80) -> list[str]:
+    """
+    Return the lines of a text, as wide as the terminal and ``width`` at most.
+
+    The first one begins with ``first``, the others with ``indent``. No word is cut: it may be the
+    name of a file.
+    """
+    return textwrap.wrap(
+        text,
+        min(width, get_terminal_size().columns),
+        initial_indent=first,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
 def wrapped(name: str, text: str) -> list[str]:
     """
-    Return the lines of a row in 80 columns: its name, if it has one, and its indented text.
+    Return the fitted lines of a row: its name, if it has one, and its indented text.
 
     Examples
     --------
@@ -83,14 +101,7 @@ def wrapped(name: str, text: str) -> list[str]:
 
     """
     begin = f'{name}  ' if name else ''
-    return textwrap.wrap(
-        text,
-        80,
-        initial_indent=begin,
-        subsequent_indent=' ' * len(begin),
-        break_long_words=False,
-        break_on_hyphens=False,
-    ) or [name]
+    return fitted(text, begin, ' ' * len(begin)) or [name]
 
 
 def lined_up(rows: Iterable[tuple[str, str]]) -> list[str]:

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
 from bearing_twin.cli.diagnose.task import CARD
-from bearing_twin.cli.terminal import by_level, lined_up
+from bearing_twin.cli.terminal import by_level, fitted, lined_up
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.verdict import facts, measured, number, reasons
 
@@ -34,7 +35,11 @@ def line(answer: dict[str, Any]) -> str:
     text = f'{name}: {_verdict(answer)}, confidence {sure}'
     if answer['shaft_hz'] is not None:
         text += f', shaft {answer["shaft_hz"]:.3f} Hz'
-    return '\n    '.join([text, *answer['reasons']])
+    parts = [text, *(f'    {reason}' for reason in answer['reasons'])]
+    if sys.stdout.isatty():
+        # A terminal would cut words at its edge.
+        parts = [row for part in parts for row in fitted(part, indent=' ' * 6, width=200)]
+    return '\n'.join(parts)
 
 
 def page(answer: dict[str, Any]) -> str:
