@@ -8,9 +8,8 @@ from collections import deque
 import math
 from typing import NamedTuple
 
+from bearing_twin.streams.pacer import RECENT
 import numpy as np
-
-KEPT = 1500
 
 
 class Spread(NamedTuple):
@@ -36,12 +35,12 @@ class Spread(NamedTuple):
 
 
 class CycleStatistics:
-    """Collect start times and durations of the last 1500 cycles."""
+    """Collect start times and durations of the last `RECENT` cycles, one a block."""
 
     def __init__(self) -> None:
         self._began = math.nan
-        self._intervals: deque[float] = deque(maxlen=KEPT)
-        self._durations: deque[float] = deque(maxlen=KEPT)
+        self._intervals: deque[float] = deque(maxlen=RECENT)
+        self._durations: deque[float] = deque(maxlen=RECENT)
 
     def add(self, began: float, duration: float) -> None:
         """
