@@ -209,13 +209,18 @@ def test_a_verdict_without_vibration_is_not_shown_as_that_of_now(
     with RerunLogger(recording_id='dead', rrd=rrd) as logger:
         for dead in (False, True, False):
             verdict.level = verdict.window_level = level
-            verdict.header.stamp.sec += 3
             logger.log('/fan' + last.topic, last.type_name, verdict, now)
+            verdict.header.stamp.sec += 3
             now += 3 * SECOND
             if dead:
                 say('fan/diagnosis: bearing', 3, 'no vibration used for 2.6 s; the last verdict')
             if other:
                 say('fan/diagnosis_2: bearing', 0, 'healthy')
+            # Said before the verdict and heard after it.
+            now -= 4 * SECOND
+            say('fan/diagnosis: bearing', 3, 'no verdict yet')
+            say('fan/diagnosis: bearing', 0, 'inner')
+            now += 4 * SECOND
     assert logger.problems == {}
     _, states = columns(rrd, '/fan/diagnosis/verdict', 'state')
     _, cards = columns(rrd, '/fan/diagnosis/card', 'blob')

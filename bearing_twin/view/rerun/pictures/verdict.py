@@ -79,18 +79,24 @@ class VerdictPicture(Picture):
 
     def flush(self, *, slow: bool) -> None:
         """Send what is held, and say so if the latest verdict is no longer about the present."""
-        stale, verdict = self.asset.source.stale, self._headline.last
-        if stale is not None and stale != self._seen and verdict is not None:
-            self._seen = self._lapsed = stale
-            why, time = stale
-            number, title, lack = int(verdict.result), title_of(verdict), _lack(why)
-            card = _card(number, title, f'{lack} since then')
-            if verdict.level not in (LEVEL_SUSPECT, LEVEL_FAULT):
-                # Only an alarm does not end because nobody measures.
-                card = _card(len(VERDICTS) - 1, lack.capitalize(), f'before: {title}')
-            self._lane.set(len(VERDICTS), time)
-            self._put(time, card, f'**Not up to date:** {why}.\n\n{self._words(verdict)}')
+        if (stale := self.asset.source.stale) != self._seen:
+            self._seen = stale
+            # A status of before the verdict may be heard after it.
+            if stale is not None and self._headline.count and stale[1] > self.asset.judged:
+                self._lapse(*stale)
         super().flush(slow=slow)
+
+    def _lapse(self, why: str, time: int) -> None:
+        """Show from a time in ns on that there is no verdict any more, and why."""
+        verdict, lack = self._headline.last, _lack(why)
+        self._lapsed = why, time
+        card = _card(int(verdict.result), title_of(verdict), f'{lack} since then')
+        if verdict.level not in (LEVEL_SUSPECT, LEVEL_FAULT):
+            # Only an alarm does not end because nobody measures.
+            below = f'before: {title_of(verdict).lower()}'
+            card = _card(len(VERDICTS) - 1, lack.capitalize(), below)
+        self._lane.set(len(VERDICTS), time)
+        self._put(time, card, f'**Not up to date:** {why}.\n\n{self._words(verdict)}')
 
     def finish(self) -> None:
         """Show the worst sustained verdict if the recording ends with another one or without."""
