@@ -141,6 +141,30 @@ def test_namespaces_are_scenes_of_their_own(recording, tmp_path, monkeypatch):
     assert laid_out[-1] == ['/line3/bearing_9', '/line3/bearing_10']
 
 
+def test_a_bearing_that_was_never_heard_is_on_the_page_of_all(recording, tmp_path):
+    """Its sensor is not connected; the page would otherwise look complete."""
+    status = SimpleNamespace(
+        name='fleet: line2/gearbox bearing', level=3, message='no verdict yet'
+    )
+    health = 'diagnostic_msgs/msg/DiagnosticArray', SimpleNamespace(status=[status])
+    with RerunLogger(recording_id='fleet', rrd=tmp_path / 'fleet.rrd') as logger:
+        for message in read_messages(recording, topics=['/diagnosis']):
+            logger.log('/diagnostics', *health, message.log_time)
+            for bearing in ('/line1/pump', '/line2/fan'):
+                logger.log(
+                    bearing + message.topic, message.type_name, message.decode(), message.log_time
+                )
+    scenes = {namespace: scene for (_, namespace), scene in logger._scenes.items()}
+    front, *_ = layout(scenes, timeline='ros_time').root_container.contents
+    assert front.name == 'All bearings'
+    lanes, _ = front.contents
+    assert lanes.contents == [
+        '/line1/pump/diagnosis/verdict',
+        '/line2/fan/diagnosis/verdict',
+        '/diagnostics/fleet_line2_gearbox_bearing',
+    ]
+
+
 def test_the_pictures_of_the_docs_can_be_taken_anew():
     """What takes them (``make screenshots``) runs for ten minutes: here it is loaded alone."""
     script = Path(__file__).resolve().parents[2] / 'docs' / 'screenshots.py'

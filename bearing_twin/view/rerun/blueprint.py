@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import Any, cast, TYPE_CHECKING
 
+from bearing_twin.view.rerun.pictures.texts import entity
 from bearing_twin.view.rerun.views import (
     bearing_views,
     card_and_reasons,
@@ -68,7 +69,7 @@ def layout(
         parts = [page for scene in shown.values() for page in _pages(scene, timeline)]
     else:
         wide = [_wide(s, timeline, name=title, page=page) for title, s in shown.items()]
-        parts = [*_all_bearings(shown), *wide]
+        parts = [*_all_bearings(shown, _unheard_lanes(scenes.values())), *wide]
         # The first bearing that has the page shows it in front.
         having = [w for w in wide if page in [v.name for v in cast('list[View]', w.contents)]]
         page = str(having[0].name) if having else page
@@ -131,16 +132,30 @@ def _is_of_twin(scene: Scene, bearings: Iterable[Scene]) -> bool:
     return beside and set(scene.contents.values()) <= {'vibration'}
 
 
-def _all_bearings(scenes: Mapping[str, Scene]) -> list[View]:
+def _unheard_lanes(scenes: Iterable[Scene]) -> list[str]:
+    """Return the lanes of health of bearings without any verdict, such as without a sensor."""
+    scenes = list(scenes)
+    judged = {scene.asset.namespace for scene in scenes if lane_paths(scene)}
+    return [
+        f'{path}/{entity(name)}'
+        for scene in scenes
+        for path in paths_of(scene, 'diagnostics')
+        for namespace, source in scene.asset.sources.items()
+        for name in source.lapsed
+        if namespace not in judged
+    ]
+
+
+def _all_bearings(scenes: Mapping[str, Scene], unheard: Sequence[str]) -> list[View]:
     """Return the page of the verdicts of several bearings: over time, and as cards."""
-    lanes = [v for scene in scenes.values() for v in lane_paths(scene)]
+    lanes = [*(v for scene in scenes.values() for v in lane_paths(scene)), *unheard]
     cards = [
         # The viewer would cut off the end of a long name, by which similar names differ.
         card_view(v, t if len(t) <= LONGEST else f'…{t[-LONGEST:]}')
         for t, scene in scenes.items()
         for v in paths_of(scene, 'diagnosis')
     ]
-    if not lanes:
+    if not cards:
         return []
     views: list[View] = [lanes_view('Verdicts over time', lanes)]
     # Heights in pixels: 40 for a lane, 100 for a row of cards.
