@@ -96,7 +96,8 @@ def run(args: argparse.Namespace) -> int:
             from bearing_twin.cli.plots import draw_calibration
 
             try:
-                path = picture_of(Path(args.plot), name, channel)
+                # Beside the picture that diagnose makes of the same file.
+                path = picture_of(Path(args.plot), name, channel).with_suffix('.fit.png')
                 draw_calibration(found, record.x, record.sample_rate, path)
             except BearingTwinError as error:
                 # The fit took a minute: it is printed even if its picture fails.

@@ -78,6 +78,9 @@ def test_the_command_writes_what_it_found(tmp_path, capsys, data_dir):
     assert answer['statement'] == 'a defect of any width may not show'
     width = answer['quantities']['defect_width_mm']
     assert set(width) == {'q05', 'median', 'q95', 'unit', 'identifiable', 'why'}
+    # diagnose makes a picture of another name.
+    (picture,) = tmp_path.iterdir()
+    assert picture.name.endswith('hitsm_sq_Normal_600.npz.fit.png')
     assert not width['identifiable']
     assert answer['cost_s'] > 0.0
     assert [path.suffix for path in Path(tmp_path).iterdir()] == ['.png']
