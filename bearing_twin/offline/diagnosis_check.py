@@ -31,6 +31,9 @@ _REACH = 2.0 * LONGEST_WINDOW
 HORIZON = 3 * NANO
 """Log time within which messages of several publishers are sorted by time of sending, ns."""
 
+_LATEST = 10 * NANO
+"""Time for which a block waits for a busy diagnosis, ns."""
+
 
 class DiagnosisCheck:
     """
@@ -47,8 +50,12 @@ class DiagnosisCheck:
         """Remarks on this diagnosis; a list of its own, as twins are re-run in another thread."""
         self._run: DiagnosisRun | None = None
         self._blocks: deque[RecordedMessage] = deque()
-        self._checkpoints: deque[Any] = deque()
+        # With the number of verdicts that were published before each.
+        self._checkpoints: deque[tuple[Any, int]] = deque()
         self._verdicts: deque[tuple[RecordedMessage, Any]] = deque()
+        self._published = 0
+        # Time of the newest sample that the diagnosis is known to have used, ns.
+        self._reached: float = math.inf
         self._past: deque[Any] = deque()
         # Where the re-run began, and whether with the blocks before it.
         self._begun = (0, 0, False)
@@ -68,16 +75,25 @@ class DiagnosisCheck:
     def vibration(self, message: RecordedMessage) -> None:
         """Take a block; process the blocks that have waited long enough."""
         self._blocks.append(message)
-        while self._blocks[0].publish_time < message.publish_time - HORIZON:
+        while (waited := message.publish_time - self._blocks[0].publish_time) > HORIZON:
+            if self._blocks[0].publish_time >= self._reached and waited <= _LATEST:
+                break
             self._push(self._blocks.popleft())
 
     def checkpoint(self, checkpoint: Any) -> None:
         """Take a checkpoint."""
-        self._checkpoints.append(checkpoint)
+        self._checkpoints.append((checkpoint, self._published))
+        self._reached = stamp_ns(checkpoint.header.stamp)
 
     def verdict(self, message: RecordedMessage) -> None:
         """Take a recorded verdict."""
-        self._verdicts.append((message, message.decode()))
+        verdict = message.decode()
+        self._verdicts.append((message, verdict))
+        self._published += 1
+        rate = float(verdict.sample_rate)
+        # A file may hold any rate.
+        length = int(verdict.sample_count) * NANO / rate if rate > 0.0 else 0.0
+        self._reached = stamp_ns(verdict.header.stamp) + length
 
     def finish(self) -> None:
         """Process the waiting blocks; the recording may end before the last verdicts."""
@@ -106,7 +122,7 @@ class DiagnosisCheck:
             return
         first = int(block.first_sample)
         if (checkpoint := self._checkpoint_before(block)) is not None:
-            self._resume(checkpoint)
+            self._resume(*checkpoint)
         if self._run is None:
             self._keep(block)
             return
@@ -117,7 +133,8 @@ class DiagnosisCheck:
         except BearingTwinError as error:
             self._note(f'a block is refused: {error}')
             return
-        if checkpoint is None and first != ended and not run.diagnoser.may_pause:
+        if checkpoint is None and run.diagnoser.has_gap(first, block.sample_rate):
+            # The diagnosis would have made one: it did not receive this block, or had others.
             self._stop()
             self._keep(block)
             return
@@ -136,14 +153,14 @@ class DiagnosisCheck:
             # The first output is the Diagnosis; features and spectra are not compared.
             self._pair(next(run.outputs(due.judge(due.excerpt.analyse()))))
 
-    def _checkpoint_before(self, block: Any) -> Any:
+    def _checkpoint_before(self, block: Any) -> tuple[Any, int] | None:
         """Return the checkpoint before a block, if there is one, and drop those before it."""
-        for number, checkpoint in enumerate(self._checkpoints):
+        for number, (checkpoint, _) in enumerate(self._checkpoints):
             if _place(checkpoint) == _place(block):
                 for _ in range(number):
                     self._checkpoints.popleft()
                 return self._checkpoints.popleft()
-        while self._checkpoints and _before(self._checkpoints[0], block):
+        while self._checkpoints and _before(self._checkpoints[0][0], block):
             # A late-joining subscriber receives a checkpoint from before the recording.
             self._checkpoints.popleft()
         return None
@@ -193,7 +210,8 @@ class DiagnosisCheck:
         if note not in self.notes:
             self.notes.append(note)
 
-    def _resume(self, checkpoint: Any) -> None:
+    def _resume(self, checkpoint: Any, published: int) -> None:
+        """Go on or begin at a checkpoint that came after a number of published verdicts."""
         values = configuration_values(checkpoint)
         state = bytes(checkpoint.state)
         at = f'at sample {checkpoint.first_sample}'
@@ -212,7 +230,8 @@ class DiagnosisCheck:
         self._past.clear()
         self._uncertain = False
         self._begun = (*_place(checkpoint), bool(window))
-        while self._verdicts and self._is_earlier(self._verdicts[0][1]):
+        # Not by their index: that of a source that is restarted soon is earlier, too.
+        while len(self._verdicts) > self._published - published:
             self._agreement.skipped += 1
             self._verdicts.popleft()
 

@@ -429,6 +429,46 @@ def test_the_begin_of_a_snapshot_that_the_diagnosis_lacks_makes_no_sound_recordi
     assert diagnosis == Agreement(identical=len(verdicts))
 
 
+@pytest.mark.parametrize(
+    ('series', 'runs', 'first'),
+    [
+        # It ended, began anew, and right after this the source was restarted as well.
+        (False, {40: None, 186: 'another'}, 208),
+        # It was inactive while the source was restarted.
+        (True, {320: None, 837: 'the same'}, 349),
+    ],
+)
+def test_restarts_of_diagnosis_and_source_that_meet_make_no_sound_recording_differ(
+    series: bool, runs: dict[int, str | None], first: int, tmp_path: Path
+) -> None:
+    values = read_values(SPECS, {'shaft_hz': 25.3, **(SNAPSHOTS if series else {})})
+    run = DiagnosisRun(values)
+    named = {None: None, 'the same': run, 'another': DiagnosisRun(values)}
+    chosen = {number: named[name] for number, name in runs.items()}
+    simulator = Simulator(preset('incipient', defect='inner'))
+    numbers = (*range(60), *range(157, 400)) if not series else range(900)
+    record(tmp_path / 'run', run, simulator, dict.fromkeys(numbers, math.nan), chosen, first)
+    verdicts = verdicts_of(tmp_path / 'run')
+    assert verdicts > 2
+    diagnosis = reproduce(tmp_path / 'run').topics['/diagnosis']
+    assert diagnosis == Agreement(identical=verdicts)
+
+
+def test_verdicts_that_come_seconds_late_are_compared(run: Path, tmp_path: Path) -> None:
+    """The diagnosis, which has become busy, is as late with its checkpoints."""
+    busy = next(m.log_time for m in read_messages(run)) + 2 * NANO
+    late = [
+        m._replace(log_time=m.log_time + 5 * NANO, publish_time=m.publish_time + 5 * NANO)
+        if m.topic.startswith('/diagnosis') and m.log_time > busy
+        else m
+        for m in read_messages(run)
+    ]
+    with RecordingWriter(tmp_path / 'late') as writer:
+        for message in sorted(late, key=lambda message: message.log_time):
+            put(writer, message)
+    assert reproduce(tmp_path / 'late').topics['/diagnosis'] == Agreement(identical=12)
+
+
 @pytest.mark.parametrize('lacking', [(), (3,), (12, 13)])
 def test_a_source_that_sends_more_often_than_the_series_needs_makes_few_checkpoints(
     lacking: tuple[int, ...], tmp_path: Path
