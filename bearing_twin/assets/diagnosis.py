@@ -21,6 +21,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import RateMeter
+from bearing_twin.streams.vibration_input import counts_doubt
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -86,6 +87,8 @@ class DiagnosisCore:
         """Shaft speed by parameter, used if none is measured, Hz; NaN if it is not set."""
         self.rate_problem = ''
         """How declared sample rate and stamps contradict each other; '' if they do not."""
+        self.unit_problem = ''
+        """Why the samples seem to be of another unit than the block says; '' if they do not."""
         self._rate_meter, self._declared = RateMeter(), 0.0
         self._repeat = RepeatCheck()
         self._former: VibrationBlock | None = None
@@ -140,6 +143,7 @@ class DiagnosisCore:
             # A source that was set to another rate: the former one says nothing of it. One that
             # measures its rate states a slightly different one with each block.
             self._rate_meter, self._declared = RateMeter(), block.sample_rate
+        self.unit_problem = counts_doubt(block)
         self._rate_meter.take(block.first_sample, block.stamp)
         problem = self._rate_meter.problem(block.sample_rate)
         self.rate_problem = problem.text if problem else ''

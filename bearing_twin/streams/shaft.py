@@ -18,6 +18,33 @@ MOST_NAMED = 5
 FASTEST_SHAFT = 1000.0
 """Highest shaft speed that is accepted, Hz."""
 
+UNITS = (('Hz', 1.0), ('1/min', 60.0), ('deg/s', 360.0))
+"""Units of a speed other than rad/s, and how much of each is one turn a second."""
+NEAR = 0.03
+"""Largest relative difference of a speed from the nominal one: the slip of an induction motor."""
+
+
+def speed_doubt(measured: float, nominal: float) -> str:
+    """
+    Return in which other unit than rad/s a measured speed would be the nominal one; '' if in none.
+
+    Both are in Hz, NaN if unknown.
+
+    Examples
+    --------
+    >>> speed_doubt(238.7, 25.4)
+    'a velocity of 1500 rad/s would be near shaft_hz=25.4 in 1/min: if it is, publish rad/s'
+    >>> speed_doubt(24.8, 25.4)
+    ''
+
+    """
+    velocity = 2.0 * math.pi * measured
+    for unit, turn in UNITS:
+        if abs(velocity / turn - nominal) <= NEAR * nominal:
+            said = f'a velocity of {velocity:.4g} rad/s would be near shaft_hz={nominal:g}'
+            return f'{said} in {unit}: if it is, publish rad/s'
+    return ''
+
 
 class ShaftSpeed:
     """

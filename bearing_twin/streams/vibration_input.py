@@ -35,6 +35,10 @@ REMEMBERED = 5.0
 """Time for which an ignored source of short blocks counts as present, s."""
 SEVERAL_SOURCES = 'several sources on one topic: only the first is used'
 """Status while a :class:`SourceLock` is contested."""
+COARSE = 100.0
+"""Range from which on whole numbers of m/s^2 or g are counts: sensors have finer steps."""
+FEWEST = 32
+"""Fewest samples that are told to be counts."""
 SOURCE_UNKNOWN, SOURCE_MEASURED, SOURCE_SIMULATED = range(3)
 """Constants of a Vibration message."""
 
@@ -101,6 +105,27 @@ def read_vibration(message: Any, axis: str) -> VibrationBlock:
         stamp=stamp_ns(message.header.stamp),
         frame_id=message.header.frame_id,
     )
+
+
+def counts_doubt(block: VibrationBlock) -> str:
+    """
+    Return why samples of a sensor seem to be counts of its converter; '' if they do not.
+
+    Examples
+    --------
+    >>> samples = np.float32([2000, -1870] * 16)
+    >>> block = VibrationBlock(0, samples, 25600.0, math.nan, 'g', simulated=False)
+    >>> counts_doubt(block)
+    'all samples are whole numbers, as counts of a converter are, but called g: scale them to g'
+
+    """
+    x, unit = block.samples, block.unit
+    if block.simulated or unit not in ('m/s^2', 'g') or len(x) < FEWEST or x[0] % 1.0:
+        return ''
+    if not (np.ptp(x) >= COARSE and (x == np.rint(x)).all()):
+        return ''
+    said = 'all samples are whole numbers, as counts of a converter are, but called'
+    return f'{said} {unit}: scale them to {unit}'
 
 
 class GapCounter:

@@ -296,6 +296,44 @@ def test_a_temperature_in_another_unit_is_recognised(value, unit):
     assert inputs.problems()[2] == ''
 
 
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('unit', 'factor', 'velocity', 'told'),
+    [
+        ('m/s^2', 1000.0, 2 * math.pi * 25.0, 'whole numbers, as counts of a converter are'),
+        ('g', 1000.0, 2 * math.pi * 25.0, 'scale them to g'),
+        # Some sensors give whole mg; a sensor may say that its unit is not known.
+        ('mg', 1000.0, 2 * math.pi * 25.0, ''),
+        ('', 1000.0, 2 * math.pi * 25.0, ''),
+        # A machine at rest, on the last bit of its sensor.
+        ('g', 0.5, 2 * math.pi * 25.0, ''),
+        ('mg', 1.0, 24.6, 'a velocity of 24.6 rad/s would be near shaft_hz=25 in Hz'),
+        ('mg', 1.0, 1480.0, 'near shaft_hz=25 in 1/min: if it is, publish rad/s'),
+        ('mg', 1.0, 2 * math.pi * 10.0, ''),
+    ],
+)
+def test_counts_and_a_speed_in_another_unit_are_told(here, unit, factor, velocity, told):
+    from bearing_twin.nodes.diagnosis import DiagnosisNode
+    from bearing_twin_msgs.msg import Vibration
+    from sensor_msgs.msg import JointState
+
+    node = here(DiagnosisNode, shaft_hz=25.0, joint='shaft')
+    node.bring_up()
+    topics, rng = node._topics, np.random.default_rng(0)
+    topics._measured.take_joints(JointState(name=['shaft'], velocity=[velocity]))
+    samples = np.rint(factor * rng.standard_normal(1024)).astype(np.float32)
+    message = Vibration(sample_rate=25600.0, y=samples, unit=unit, source=SOURCE_MEASURED)
+    topics.take(message)
+    status = topics.input_status()
+    assert status.level.name == ('WARN' if told else 'OK')
+    assert told in status.message
+    # Once the unit is corrected, nothing is said of it.
+    topics._measured.take_joints(JointState(name=['shaft'], velocity=[2 * math.pi * 24.8]))
+    message.first_sample, message.y = 1024, samples * np.float32(9.81 / 4096)
+    topics.take(message)
+    assert topics.input_status().message == 'vibration is fresh'
+
+
 def test_publishers_that_come_and_go_take_bounded_memory():
     numbers = MessageNumbers()
     tracemalloc.start()
