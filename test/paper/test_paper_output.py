@@ -17,6 +17,7 @@ from bearing_twin.paper.claims.claim import rounded
 from bearing_twin.paper.figures.drawings import FIGURES
 from bearing_twin.paper.recompute import MARKER, prepare_folder
 from bearing_twin.paper.report import figure_name, summary_line
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 import matplotlib.image
 import numpy as np
 import pytest
@@ -111,6 +112,17 @@ def test_waterfalls_mark_the_peak_times_and_show_their_ratio_to_20_degc(study, d
             factor = next(f for f, numbers in WATERFALLS.items() if number == numbers)
             shown = one.lines[len(settings.PEAK_TIMES)].get_ydata()[-1]
             assert shown == pytest.approx(100.0 * study.change(name, factor))
+
+
+def test_no_waterfall_covers_the_label_of_the_one_on_its_left(drawn):
+    figure = drawn('28')
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    left, right = (axes for axes in figure.axes if axes.name == '3d')
+    label = left.zaxis.label.get_window_extent(renderer)
+    assert label.width > 5.0
+    for pane in (axis.pane for axis in (right.xaxis, right.yaxis, right.zaxis)):
+        assert label.x1 < pane.get_window_extent(renderer).x0
 
 
 def test_documentation_has_the_table_of_the_command(claims):

@@ -76,9 +76,9 @@ def _signals(
     axes.set_yticks(nodes[::3])
     axes.set_xlabel('time t / s', labelpad=9)
     axes.set_ylabel(TEMPERATURE_LABEL, labelpad=9)
-    axes.set_zlabel('acceleration a / m s⁻²', labelpad=7)
+    axes.set_zlabel('acceleration a / m s⁻²', labelpad=2)
     axes.view_init(elev=32, azim=-66)
-    axes.set_box_aspect((1.7, 1.5, 0.62), zoom=1.12)
+    axes.set_box_aspect((1.7, 1.5, 0.62), zoom=1.09)
     change = 100.0 * study.change(name, factor)
     axes.set_title(
         f'{name}: impact amplitude {change:+.1f} % from 20 to 110 °C', fontsize=10, pad=0
