@@ -5,6 +5,8 @@
 from dataclasses import dataclass
 import math
 
+from bearing_twin.cli.diagnose.text import _table
+from bearing_twin.diagnosis.machine.dependence import Law, Slope
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantities, quantity
 import pytest
@@ -55,3 +57,16 @@ def test_the_declaration_can_be_read():
     assert list(quantities(Sensor)) == ['mass', 'resonance', 'axis', 'rating']
     default, about = quantities(Sensor)['resonance']
     assert (default, about.unit, about.low, about.high) == (6e3, 'Hz', 500.0, 11e3)
+
+
+def test_a_difference_that_rounds_to_zero_has_no_minus():
+    law = Law(Slope(mean=-1e-4, deviation=0.001, low=30.0, high=60.0, known=True))
+    assert str(law).startswith('+0.000 +- 0.00')
+    evidence = {
+        'expected_hz': {'bpfo': 90.0, 'bpfi': 135.0, 'bsf': 60.0, 'ftf': 10.0},
+        'found_hz': {'outer': 90.0 - 1e-3},
+        'score': {'outer': 9.0},
+        'modulation_index': {'outer': 1.0},
+    }
+    rows = _table({'evidence': evidence, 'shaft_hz': 25.0, 'faults': [], 'level': 'ok'})
+    assert [row.split()[6] for row in rows if row.startswith('outer')] == ['+0.00%']

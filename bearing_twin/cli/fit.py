@@ -201,7 +201,7 @@ def seed(text: str) -> int:
 
 def _page(source: str, found: Calibration) -> str:
     """Return the calibration as text."""
-    before = '' if math.isnan(found.level_before) else f'{found.level_before:+.1f} -> '
+    before = '' if math.isnan(found.level_before) else f'{signed(found.level_before)} -> '
     lines = [
         *wrapped('', f'{shown(source)}: {found.statement}'),
         f'spectrum  log-spectral distance {found.distance_before:.1f} -> {found.distance:.1f} dB, '

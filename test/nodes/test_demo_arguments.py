@@ -36,6 +36,13 @@ SUMMARY = Summary(
 )
 
 
+def test_no_change_has_no_minus():
+    nothing = dataclasses.replace(SUMMARY, amplitude_change=-1e-5, fault_hz_twin=124.0 + 1e-4)
+    text = ' '.join(nothing.to_text().split())
+    assert '; +0.0 % from' in text
+    assert '(+0.00 %)' in text
+
+
 @pytest.mark.ros
 @pytest.mark.parametrize(
     ('words', 'text', 'status'),

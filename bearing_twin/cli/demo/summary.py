@@ -16,6 +16,7 @@ from bearing_twin.bearing import PLACES
 from bearing_twin.cli.terminal import lined_up
 from bearing_twin.dynamics.presets import PRESETS
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.quantity import signed
 from bearing_twin.recording.health import sent_before
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.topics import LEVEL_FAULT
@@ -70,9 +71,8 @@ class Summary:
         bars = ', '.join(f'{t:g}: {a:.0f}' for t, a in self.amplitude_by_temperature.items())
         text = f'{bars} (degC: m/s^2)'
         if not math.isnan(self.amplitude_change):
-            text += (
-                f'; {100.0 * self.amplitude_change:+.1f} % from the coldest to the hottest third'
-            )
+            change = signed(100.0 * self.amplitude_change)
+            text += f'; {change} % from the coldest to the hottest third'
         return f'{text}; the paper states a decrease'
 
     def to_text(self) -> str:
@@ -81,8 +81,8 @@ class Summary:
         if math.isfinite(self.fault_hz):
             found += f' at {self.fault_hz:.2f} Hz'
             if math.isfinite(self.fault_hz_twin):
-                error = 100.0 * (self.fault_hz / self.fault_hz_twin - 1.0)
-                found += f', the twin with its slip {self.fault_hz_twin:.2f} Hz ({error:+.2f} %)'
+                error = signed(100.0 * (self.fault_hz / self.fault_hz_twin - 1.0), 2)
+                found += f', the twin with its slip {self.fault_hz_twin:.2f} Hz ({error} %)'
             found += f', confidence {self.confidence:.2f}'
         verdicts = ', '.join(f'{name} {count}' for name, count in self.verdicts.items())
         missing = self.blocks_dropped + max(0, self.blocks_published - self.blocks_recorded)

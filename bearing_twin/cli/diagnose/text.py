@@ -10,6 +10,7 @@ from typing import Any
 from bearing_twin.bearing import FaultFrequencies, PLACES, TITLES
 from bearing_twin.cli.diagnose.task import CARD
 from bearing_twin.cli.terminal import by_level, fitted, lined_up
+from bearing_twin.quantity import signed
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.verdict import facts, measured, number, reasons
 
@@ -81,7 +82,7 @@ def _table(answer: dict[str, Any]) -> list[str]:
             rows.append(f'{text}   not searched')
             continue
         off = found / expected - 1.0
-        text += f'{found:9.2f}{found / shaft_hz:7.3f} {off:+7.2%}'
+        text += f'{found:9.2f}{found / shaft_hz:7.3f} {signed(100.0 * off, 2):>6}%'
         text += f'{evidence["score"][place]:14.1f}{evidence["modulation_index"][place]:8.2f}'
         named = place in answer['faults']
         rows.append(by_level(f'{text}  <-', answer['level']) if named else text)

@@ -17,6 +17,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.numerics.compiled import compiled
+from bearing_twin.quantity import signed
 import numpy as np
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ class Law:
         """Return the known dependence on temperature in words."""
         heat = self.temperature
         if heat.known:
-            interval = f'{heat.mean:+.3f} +- {Z90 * heat.deviation:.3f} dB/K'
+            interval = f'{signed(heat.mean, 3)} +- {Z90 * heat.deviation:.3f} dB/K'
             return f'{interval}, learnt from {heat.low:.0f} to {heat.high:.0f} degC'
         if math.isnan(heat.low):
             return 'temperature not corrected: its record is too short'
