@@ -18,6 +18,7 @@ from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.gate import SHAFT_TURNS
 from bearing_twin.diagnosis.signal.shaft import other_shafts_hz, SpeedProfile
 from bearing_twin.diagnosis.signal.spectra import floor_levels
+from bearing_twin.diagnosis.signal.speed_track import PRECISION, track_speed
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import one_axis, real_number, real_numbers
@@ -151,8 +152,38 @@ def diagnose_record(
             parts = functools.partial(_parts, analysis.excerpt, signal, turns, cut)
             found = _moving(found, turns, parts) or found
     if speeds.size == 1:
+        found = _at_moving_speed(found, analysis, signal, cut)
         found = _with_other_shafts(found, analysis, functools.partial(cut, signal))
     return with_fault_stage(with_required_level(found))
+
+
+def _at_moving_speed(
+    found: Diagnosis,
+    analysis: Analysis,
+    x: NDArray[np.float64],
+    cut: Callable[..., Excerpt],
+) -> Diagnosis:
+    """Return the answer after a look at the speed that the lines of the shaft move through."""
+    excerpt = analysis.excerpt
+    if found.level == 'fault' or analysis.window is None:
+        return found
+    speeds = track_speed(x, excerpt.sample_rate, _steady_hz(excerpt))
+    if speeds is None:
+        return found
+    profile = SpeedProfile(speeds, np.ones(len(speeds), np.intp))
+    said = cut(x, profile).analyse().alone
+    if said.level == 'fault' and said.result in PLACES:
+        said = _whole_turns(said, PRECISION * said.fault_hz)
+    elif found.level == 'suspect' or said.result == 'healthy':
+        return found
+    elif said.level == 'fault':
+        said = replace(said, level='suspect')
+    text = (
+        f'the speed moves from {speeds.min():.4g} to {speeds.max():.4g} Hz within the record, as '
+        'the lines of the shaft show, and the answer is that at these speeds; give the speed of '
+        'each sample'
+    )
+    return replace(said, reasons=(*said.reasons, text), severity=found.severity)
 
 
 def _may_strike_in_bursts(analysis: Analysis) -> bool:
@@ -321,9 +352,10 @@ def _moving(
 
 def _whole_turns(part: Diagnosis, moved_hz: float) -> Diagnosis:
     """
-    Return a part as ambiguous if the speed moved by as much as its order is off a whole number.
+    Return a part as ambiguous if its order is off a whole number by no more than the speed moved.
 
-    Impacts a whole number of times a turn would look the same in each part.
+    Impacts a whole number of times a turn would look the same in each part. The same holds where
+    the speed is known no better.
     """
     order = part.fault_hz / part.shaft_hz
     if abs(order - round(order)) > order * moved_hz / part.fault_hz:

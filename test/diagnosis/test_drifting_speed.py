@@ -174,7 +174,63 @@ def test_edges_of_a_cutter_are_no_inner_race_at_a_speed_that_is_measured_within_
 def test_one_part_of_a_record_whose_speed_moves_far_names_no_place():
     """At a speed 11 % lower the order of an inner race is that of a ball."""
     for seed in range(2):
-        x, rate = _drifting('inner', 0.3, seed)
+        x, rate = _drifting('inner', 0.3, seed, shaft=0.0)
         said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
         assert (said.result, said.level) == ('suspect', 'suspect'), said.reasons
         assert 'place is not sure' in said.reasons[-1]
+
+
+def _run(place, profile, seed, shaft=0.1, strength=0.7):
+    """10 s of a 6206 whose speed starts up, coasts down or sways about 30 Hz."""
+    rng = np.random.default_rng(seed)
+    rate, count = 20480.0, 10 * 20480
+    times = np.arange(count) / rate
+    speeds = {
+        'start': 30.0 * (0.3 + 0.7 * np.minimum(times / 8.0, 1.0)),
+        'coast': 48.0 * (1.0 - 0.075 * times),
+        'sway': 30.0 * (1.0 + 0.03 * np.sin(2.0 * np.pi * times / 3.0)),
+    }[profile]
+    turns = np.cumsum(speeds) / rate
+    x = rng.standard_normal(count)
+    for harmonic in (1, 2, 3):
+        x += shaft * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
+    order = {'': 0.0, 'coupling': 3.0}.get(place)
+    if order is None:
+        order = fault_orders(find_bearing('6206'), 0.01).impacts(place)
+    if order:
+        at = np.searchsorted(turns, np.arange(1, int(turns[-1] * order)) / order)
+        impacts = np.zeros(count)
+        load = 1.0 + 0.7 * np.cos(2.0 * np.pi * turns[at]) if place == 'inner' else 1.0
+        impacts[at] = load * (speeds[at] / 30.0) * (1.0 + 0.2 * rng.standard_normal(len(at)))
+        angle = 2.0 * np.pi * 3500.0 * np.arange(300) / rate
+        ringing = np.convolve(impacts, np.exp(-0.04 * angle) * np.sin(angle))[:count]
+        x += strength * ringing / ringing.std()
+    return x, rate
+
+
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+@pytest.mark.parametrize('profile', ['start', 'coast', 'sway'])
+def test_a_fault_is_named_while_the_shaft_starts_coasts_or_sways(profile, place):
+    """One speed is given, that of the nameplate or the mean; the lines of the shaft tell it."""
+    for seed in range(2):
+        x, rate = _run(place, profile, seed)
+        said = diagnose_record(x, rate, find_bearing('6206'), 30.0)
+        assert (said.result, said.level) == (place, 'fault'), said.reasons
+        assert 'the speed moves' in said.reasons[-1]
+        assert said.sample_count == len(x)
+
+
+@pytest.mark.parametrize('profile', ['start', 'coast', 'sway'])
+def test_a_sound_machine_that_starts_coasts_or_sways_is_no_alarm(profile):
+    for seed in range(4):
+        x, rate = _run('', profile, seed)
+        assert diagnose_record(x, rate, find_bearing('6206'), 30.0).level == 'ok'
+
+
+@pytest.mark.parametrize('profile', ['start', 'coast'])
+@pytest.mark.parametrize('name', ['6307', '6203'])
+def test_a_coupling_that_starts_or_coasts_is_no_race_beside_its_order(profile, name):
+    for seed in range(3):
+        x, rate = _run('coupling', profile, seed)
+        said = diagnose_record(x, rate, find_bearing(name), 30.0)
+        assert said.level == 'suspect' or said.result == 'ambiguous', said.reasons
