@@ -484,13 +484,29 @@ def test_a_spectrogram_spans_a_minute_however_long_the_blocks(block):
     level = np.repeat([1e-3, 1.0], [round(quiet * rate), round(loud * rate)])
     samples = level * np.random.default_rng(1).standard_normal(level.size)
     for first in range(0, samples.size, block):
-        picture.add(samples[first : first + block], 0, rate, 'm/s^2')
+        time = SECOND + round(first / rate * SECOND)
+        picture.add(samples[first : first + block], time, rate, 'm/s^2')
     levels = picture.levels.mean(axis=0)
     assert np.isfinite(levels).sum() == (quiet + loud) / 60.0 * COLUMNS
     assert (levels > -60.0).sum() == loud / 60.0 * COLUMNS
     last = samples[-round(0.2 * rate) :]
     _, power = welch(last - last.mean(), nperseg=2 * ROWS, detrend=False, scaling='spectrum')
     assert np.allclose(picture.levels[:, -1], 10.0 * np.log10(power[1:]), atol=1e-9)
+
+
+@pytest.mark.parametrize('gap', [0.0, 0.5, 12.0, 90.0])
+def test_a_gap_is_as_long_in_the_spectrogram_as_it_was(gap):
+    rate, before = 25600.0, 10.0
+    picture = Spectrogram(Canvas(lambda mark, **_: None, '', Timebase()), 'spectrogram')
+    samples = np.random.default_rng(1).standard_normal(round(rate))
+    times = [*np.arange(before), *(before + gap + np.arange(10.0))]
+    for time in times:
+        picture.add(samples, SECOND + round(time * SECOND), rate, 'm/s^2')
+    drawn = np.flatnonzero(np.isfinite(picture.levels[0]))
+    blank = gap if gap >= 1.0 else 0.0
+    # The newest are at the right, the others left of the gap.
+    steps = [COLUMNS - round(5.0 * (before + blank + 10.0)) + k for k in range(50)]
+    assert drawn.tolist() == [k for k in steps if k >= 0] + list(range(COLUMNS - 50, COLUMNS))
 
 
 @pytest.mark.parametrize('size', [1, 200])

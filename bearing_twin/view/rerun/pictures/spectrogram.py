@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.view.style import LINE
 from bearing_twin.view.verdict import pretty
 import numpy as np
@@ -21,6 +22,8 @@ ROWS = 96
 COLUMN_SECONDS = 0.2
 DRAW_EVERY = 5
 """Columns between two pictures: one a second."""
+GAP = NANO
+"""Least time without samples that is left blank, ns. Stamps may be off by less."""
 RANGE_DB = 60.0
 """Depth of the colour scale below its top, dB."""
 
@@ -32,7 +35,8 @@ class Spectrogram:
     Below a rate of 960 Hz a step is one spectrum long, and the picture spans more than a minute.
 
     The scale runs 60 dB down from the highest value seen, in whole steps of 10 dB, so that
-    colours keep their meaning.
+    colours keep their meaning. A gap of a second or more is as long as it was and has the darkest
+    colour.
     """
 
     def __init__(self, canvas: Canvas, name: str) -> None:
@@ -42,6 +46,7 @@ class Spectrogram:
         """Levels, dB re 1 unit, lowest band first, oldest step first."""
         self._pending = np.empty(0)
         self._rate = 0.0
+        self._end = 0
         self._new = DRAW_EVERY
         self._top = -np.inf
         self._labelled = (0.0, 0.0)
@@ -52,16 +57,24 @@ class Spectrogram:
             self._rate, self._pending = rate, np.empty(0)
             self.levels[:] = -np.inf
         size = max(2 * ROWS, round(COLUMN_SECONDS * rate))
+        if self._end and time - self._end >= GAP:
+            self._pending = np.empty(0)
+            blank = min(COLUMNS, round((time - self._end) / samples_ns(size, rate)))
+            self._append(np.full((ROWS, blank), -np.inf))
+        self._end = time + samples_ns(samples.size, rate)
         waiting = np.concatenate([self._pending, samples])
         whole, self._pending = np.split(waiting, [waiting.size // size * size])
         if not whole.size:
             return
         columns = [_column(part) for part in whole.reshape(-1, size)]
-        self.levels = np.column_stack([self.levels, *columns])[:, -COLUMNS:]
+        self._append(np.stack(columns, axis=1))
         self._new += len(columns)
         if self._new >= DRAW_EVERY:
             self._new = 0
             self._draw(time, rate, unit, COLUMNS * size / rate)
+
+    def _append(self, columns: NDArray[np.float64]) -> None:
+        self.levels = np.hstack([self.levels, columns])[:, -COLUMNS:]
 
     def _draw(self, time: int, rate: float, unit: str, seconds: float) -> None:
         finite = self.levels[np.isfinite(self.levels)]
