@@ -25,7 +25,8 @@ class Source:
     """Source of vibration, from its messages and the parameters of twin and diagnosis."""
 
     def __init__(self) -> None:
-        self._twin = ''
+        self._node = ''
+        self._twins: dict[str, None] = {}
         self.frame = ''
         """``frame_id`` of the vibration: the sensor."""
         self.zones: tuple[Limit, ...] = zone_limits()
@@ -47,7 +48,9 @@ class Source:
     def parameters(self, node: str, kind: str, values: dict[str, Any]) -> None:
         """Take the parameters of a node of a kind: those of a twin or of the diagnosis count."""
         if kind == 'twin':
-            self._twin = f'{node}, {twin_in_words(values)}'
+            self._node, words = node, twin_in_words(values)
+            self._twins.pop(words, None)
+            self._twins[words] = None
         elif kind == 'diagnosis':
             self.zones = zone_limits(values.get('power_group'), values.get('mounting'))
 
@@ -61,12 +64,22 @@ class Source:
         )
 
     @property
+    def whole(self) -> str:
+        """Source in words like `text`, with what the twin simulated before."""
+        *before, _ = [*self._twins] or ['']
+        if not before or SOURCE_SIMULATED not in self._sources:
+            return self.text
+        more = f', and {len(before) - 1} more' if len(before) > 1 else ''
+        return f'{self.text} at the end; before: {before[-1]}{more}'
+
+    @property
     def text(self) -> str:
-        """Source in words; '' while there is no vibration."""
+        """Source in words, as it is now; '' while there is no vibration."""
         if not self._sources:
             return ''
         if SOURCE_SIMULATED in self._sources:
-            return f'simulated by {self._twin or "a twin"}'
+            twin = f'{self._node}, {[*self._twins][-1]}' if self._twins else 'a twin'
+            return f'simulated by {twin}'
         text = 'measured' if SOURCE_MEASURED in self._sources else 'source not stated'
         return f'{text}, {self.frame}' if self.frame else text
 

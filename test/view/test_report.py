@@ -415,6 +415,22 @@ def test_a_page_says_what_a_fleet_simulated(recording, tmp_path, base):
     assert machines[f'{base}/fleet'].hardware == 'pump 9'
 
 
+def test_a_fault_that_was_simulated_and_is_no_more_is_no_false_alarm(recording):
+    """A defect that is switched off again, beside a verdict on when it was on."""
+    (machine,) = machines_of(recording).values()
+    source, now = machine.source, machine.source.text
+    assert source.whole == now and 'inner race' in now
+    checkpoint = next(read_messages(recording, topics=['/twin_checkpoint'])).decode()
+    values = yaml.safe_load(checkpoint.configuration)
+    for defect in ('outer', 'none', 'outer', 'none'):
+        source.parameters('/twin', 'twin', values | {'defect': defect})
+    end = 'simulated by /twin, preset incipient, no defect'
+    assert source.text == end
+    assert re.fullmatch(
+        f'{end} at the end; before: preset incipient, outer race .* mm, and 1 more', source.whole
+    )
+
+
 @pytest.mark.usefixtures('undrawn')
 def test_what_a_recording_says_is_never_markup(recording, tmp_path):
     begin = next(read_messages(recording)).log_time

@@ -178,7 +178,7 @@ def _no_verdict(machine: Machine) -> str:
         remedy = f'messages of {", ".join(machine.unread)} cannot be read: see the appendix'
     return (
         f'<div{_colour(machine)}>'
-        f'<b>No diagnosis recorded</b>Vibration {escape(machine.source.text)}. There is no '
+        f'<b>No diagnosis recorded</b>Vibration {escape(machine.source.whole)}. There is no '
         f'verdict; {escape(remedy)}.</div>'
     )
 
@@ -188,7 +188,7 @@ def _banner(machine: Machine, worst: Any) -> str:
     lines = [
         *([f'Found {escape(found)}.'] if found else []),
         f'In {escape(machine.headline.span)}.',
-        f'Vibration {escape(machine.source.text or "not recorded")}.',
+        f'Vibration {escape(machine.source.whole or "not recorded")}.',
         *([f'Beyond the bearing: {escape(machine.unexplained)}.'] if machine.unexplained else []),
         f'Next step: {escape(next_step(worst))}',
     ]

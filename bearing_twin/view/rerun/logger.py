@@ -214,7 +214,7 @@ class RerunLogger:
         self._flush(slow=True, last=True)
         self._lay_out()
         for (side, namespace), scene in self._scenes.items():
-            if text := scene.asset.source.text:
+            if text := scene.asset.source.whole:
                 name = ' '.join(filter(None, ('vibration', side, namespace.strip('/'))))
                 about = rr.AnyValues(source=text)
                 self._emit(partial(rr.RecordingStream.send_property, name=name, values=about))

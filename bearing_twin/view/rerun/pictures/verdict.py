@@ -109,7 +109,7 @@ class VerdictPicture(Picture):
             end = end or _lack(why)
         if end:
             card = _card(int(verdict.result), title_of(verdict), f'at the end: {end}')
-            text = f'**{title_of(verdict)}**{span}.\n\n{self._words(verdict)}'
+            text = f'**{title_of(verdict)}**{span}.\n\n{self._words(verdict, whole=True)}'
             self._put(time + 1, card, text)
 
     def _put(self, time: int, card: rr.EncodedImage, text: str) -> None:
@@ -118,14 +118,14 @@ class VerdictPicture(Picture):
         words = rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN)
         self.canvas.put('words', time, words)
 
-    def _words(self, diagnosis: Any) -> str:
-        """Return a diagnosis as Markdown."""
-        rows = facts(diagnosis)
+    def _words(self, diagnosis: Any, *, whole: bool = False) -> str:
+        """Return a diagnosis as Markdown; ``whole`` with all sources of the vibration so far."""
+        rows, source = facts(diagnosis), self.asset.source
         if self.asset.narrow:
             # One unit for both frequencies, so that the row stays in the table.
             rows = [(n, t.replace(' Hz (', ' (') if n == 'Found' else t) for n, t in rows]
-        if self.asset.source.text:
-            rows.append(('Vibration', self.asset.source.text))
+        if source.text:
+            rows.append(('Vibration', source.whole if whole else source.text))
         longest = NARROW if self.asset.narrow else SHORT
         for name, other in (('Level', 'Velocity'), ('Shaft', 'Temperature')):
             one, two = (next((r for r in rows if r[0] == n), None) for n in (name, other))
