@@ -10,6 +10,7 @@ from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import LEVELS
 from bearing_twin.diagnosis.machine.dependence import Z90
+from bearing_twin.diagnosis.signal.acceleration import acceleration_factor, GRAVITY
 from bearing_twin.diagnosis.signal.severity import ZONE_C_OF_ALL, ZONE_D_OF_ALL
 
 if TYPE_CHECKING:
@@ -26,6 +27,10 @@ FALLEN = (
     'baseline'
 )
 """Question to the user about a vibration ``FAULT_DB`` below the baseline."""
+
+LOUDEST = 10.0 * GRAVITY
+"""Acceleration RMS from 10 Hz to 20 kHz above which a machine is suspect, m/s^2: 24 dB, twice
+``FAULT_DB``, above the loudest sound records known here, those of FEMTO."""
 
 UNRATED_CONFIDENCE = 0.5
 """Confidence of an answer from the level alone: no simulation tells how often it is right."""
@@ -63,11 +68,12 @@ def with_required_level(diagnosis: Diagnosis) -> Diagnosis:
     """
     Return a diagnosis with its level raised to the one of the vibration severity, and the reason.
 
-    The level is at least suspect in zone C of ISO 20816-3, at twice the baseline of the machine,
-    and after a lasting rise (:class:`bearing_twin.diagnosis.machine.onset.Rise`). It is a fault in
-    zone D and at four times the baseline; without a comb its place is unknown. *Ball or cage* is a
-    fault from twice the baseline: the vibration agrees with the comb. A *healthy* answer without
-    zone and baseline says what it does not cover.
+    The level is at least suspect in zone C of ISO 20816-3, above :data:`LOUDEST`, at twice the
+    baseline of the machine, and after a lasting rise
+    (:class:`bearing_twin.diagnosis.machine.onset.Rise`). It is a fault in zone D and at four times
+    the baseline; without a comb its place is unknown. *Ball or cage* is a fault from twice the
+    baseline: the vibration agrees with the comb. A *healthy* answer without zone and baseline says
+    what it does not cover.
 
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.result import insufficient
@@ -152,6 +158,12 @@ def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:
         return zone
     if sure >= (SUSPECT_DB if agrees else FAULT_DB):
         return 'fault', over
+    loud = acceleration_factor(severity.unit) * math.hypot(*severity.band_rms)
+    if loud > LOUDEST:
+        return 'suspect', (
+            f'an acceleration of {loud:.3g} m/s^2 RMS, above {LOUDEST / GRAVITY:g} g (are unit '
+            'and scale right? if so, lubrication, worn races or a rub),'
+        )
     if zone[0] == 'suspect':
         return zone
     if sure >= SUSPECT_DB:

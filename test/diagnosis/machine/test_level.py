@@ -24,10 +24,10 @@ NOTHING = insufficient(['by hand'], BEARING)
 MACHINE = Source('imu y', '6307', 'g', RATE)
 
 
-def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.nan):
+def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.nan, unit=''):
     severity = replace(
         NOTHING.severity, level_over_baseline=over, iso_zone=zone, rms=rms, velocity_rms=velocity,
-        band_rms=(rms, 0.0, 0.0),
+        band_rms=(rms, 0.0, 0.0), unit=unit,
     )  # fmt: skip
     index = dict.fromkeys(faults, 1.0)
     return replace(
@@ -55,6 +55,11 @@ def said(result, level, *faults, over=math.nan, zone='', rms=1.0, velocity=math.
         (('healthy', 'ok'), {'velocity': 7.2}, 'suspect', 'suspect'),
         (('healthy', 'ok'), {'velocity': 7.0}, 'healthy', 'ok'),
         (('healthy', 'ok'), {'velocity': 11.5, 'zone': 'B'}, 'healthy', 'ok'),
+        # No sound bearing is so loud, whatever the machine; an unknown unit tells nothing.
+        (('healthy', 'ok'), {'rms': 10.1, 'unit': 'g'}, 'suspect', 'suspect'),
+        (('healthy', 'ok'), {'rms': 99.0, 'unit': 'm/s^2'}, 'suspect', 'suspect'),
+        (('healthy', 'ok'), {'rms': 97.0, 'unit': 'm/s^2'}, 'healthy', 'ok'),
+        (('healthy', 'ok'), {'rms': 99.0}, 'healthy', 'ok'),
         (('insufficient', 'none'), {'over': 26.0}, 'ambiguous', 'fault'),
         (('insufficient', 'none'), {'over': 5.0}, 'insufficient', 'none'),
         (('suspect', 'suspect', 'ball'), {'over': 15.0}, 'ambiguous', 'fault'),
@@ -76,7 +81,10 @@ def test_the_level_is_what_combs_baseline_and_zone_ask_for(fresh, known, result,
     assert why.startswith('not judged: wear') == silent
     assert bool(why) == (level != fresh[1] or silent)
     if level != fresh[1]:
-        assert 'ISO 20816-3' in why or 'dB over the baseline' in why
+        texts = (
+            ('are unit and scale right?',) if 'unit' in known else ('ISO 20816-3', 'dB over the')
+        )
+        assert any(text in why for text in texts)
         assert ('place unknown' in why) == (not found.faults)
 
 
