@@ -146,6 +146,22 @@ def test_a_fleet_keeps_the_parameters_of_each_bearing_apart(tmp_path):
     assert '| bearing | 6205 | defect | none |' in fan
 
 
+def test_a_file_that_is_drawn_at_once_has_one_layout(tmp_path):
+    """The viewer would take minutes for those of a fleet whose topics appear one by one."""
+    layouts = []
+    for footer in (True, False):
+        rrd = tmp_path / f'{footer}.rrd'
+        with RerunLogger(recording_id='fleet', rrd=rrd, footer=footer) as logger:
+            for k in range(100):
+                time = SECOND + k * SECOND // 10
+                for pump in range(1 + k // 30):
+                    logger.log(f'/p{pump}/vibration', VIBRATION, vibration(k, time), time)
+        assert logger.problems == {}
+        layouts.append(len(RrdReader(rrd).blueprints()))
+        assert '/p3' in view_names(rrd)
+    assert layouts[0] == 1 < layouts[1]
+
+
 def test_a_fleet_says_what_simulated_each_vibration(tmp_path):
     checkpoint = stamp(SECOND)
     checkpoint.node, checkpoint.kind, checkpoint.version = '/plant/fleet', 'fleet', '0.1.0'

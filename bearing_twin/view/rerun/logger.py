@@ -66,8 +66,9 @@ class RerunLogger:
     serve
         Address and port of a server for live viewers.
     footer
-        Whether the file ends with a list of its parts, which finds each of them faster. It is kept
-        in memory until then, 12 MB a minute of a bearing (rerun-io/rerun#12623).
+        Whether the file is looked at only when it is complete. It then has one layout, and ends
+        with a list of its parts, which finds each of them faster. This list is kept in memory
+        until then, 12 MB a minute of a bearing (rerun-io/rerun#12623).
     memory_limit
         Memory limit of the server; it drops the oldest data.
     full_samples
@@ -126,6 +127,8 @@ class RerunLogger:
             sink = rr.GrpcServerSink(bracketed(address), port, server_memory_limit=memory_limit)
             self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {port}'))
         self._full, self._page = full_samples, page
+        # With many layouts of a fleet in a file, the viewer needs minutes to show the last one.
+        self._settles = serve is not None or not footer
         self._scales = scales or Scales()
         self._timebases = {'': Timebase(timeline)}
         if sides:
@@ -161,7 +164,7 @@ class RerunLogger:
         try:
             namespace, name = namespace_of(topic)
             self._scene(side, namespace).draw(name, type_name, message, time_ns)
-            if due:
+            if due and self._settles:
                 self._settle(time_ns)
         except Exception as error:
             # The message may come from anywhere: a drawing error must not stop the calling node.
