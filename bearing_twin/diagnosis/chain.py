@@ -197,8 +197,10 @@ class Excerpt:
         edges = np.arange(pieces * stretches + 1) * min(length, count)
         return cls(
             stretches=tuple(
-                Stretch(samples[begin:end], speed_profile.part(begin, end))
-                for begin, end in itertools.pairwise(edges)
+                Stretch(samples[begin:end], part)
+                for (begin, end), part in zip(
+                    itertools.pairwise(edges), speed_profile.parts(edges), strict=True
+                )
             ),
             left_over=count - int(edges[-1]),
             sample_rate=sample_rate,

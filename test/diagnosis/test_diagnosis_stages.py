@@ -3,6 +3,7 @@
 """Each stage of the chain alone, against closed forms and independent implementations."""
 
 import math
+import time
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
@@ -287,6 +288,17 @@ def test_angular_resampling_turns_a_sweep_into_a_line():
     peak = np.argmax(spectrum) * RATE / n
     assert peak == pytest.approx(7.3 * mean_hz, abs=0.3)
     assert (spectrum > 0.3 * spectrum.max()).sum() <= 4
+
+
+def test_the_speeds_of_each_sample_of_an_hour_are_cut_into_seconds_without_delay():
+    """Not by a sum of all of them for each second."""
+    n = 3600 * 1000
+    profile = SpeedProfile(np.linspace(20.0, 30.0, n), np.ones(n, np.intp))
+    begin = time.process_time()
+    parts = profile.parts(range(0, n + 1, 1000))
+    assert time.process_time() - begin < 5.0
+    assert len(parts) == 3600
+    assert np.concatenate([part.shaft_hz for part in parts]).tolist() == profile.shaft_hz.tolist()
 
 
 @pytest.mark.parametrize('count', [0, 1, 3])

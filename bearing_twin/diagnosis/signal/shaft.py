@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
 
@@ -15,6 +16,8 @@ from bearing_twin.numerics.compiled import compiled
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
 
@@ -201,17 +204,24 @@ class SpeedProfile(NamedTuple):
         """Whether the speed varies so much that lines smear."""
         return bool(np.ptp(self.shaft_hz) > _STEADY * self.mean_hz)
 
-    def part(self, begin: int, end: int) -> SpeedProfile:
+    def parts(self, edges: Sequence[int] | NDArray[np.intp]) -> list[SpeedProfile]:
         """
-        Return the speed from sample ``begin`` to before sample ``end``.
+        Return the speed from each sample of ``edges`` to before the next one.
 
-        >>> SpeedProfile(np.array([25.0, 26.0]), np.array([300, 100])).part(250, 400).lengths
-        array([ 50, 100])
+        >>> profile = SpeedProfile(np.array([25.0, 26.0]), np.array([300, 100]))
+        >>> [part.lengths.tolist() for part in profile.parts([0, 250, 400])]
+        [[250], [50, 100]]
 
         """
+        # Summed once: with a speed for each sample of an hour this takes a second.
         ends = np.cumsum(self.lengths)
-        lengths = np.minimum(ends, end) - np.maximum(ends - self.lengths, begin)
-        return SpeedProfile(self.shaft_hz[lengths > 0], lengths[lengths > 0])
+        found = []
+        for begin, end in itertools.pairwise(edges):
+            some = slice(ends.searchsorted(begin, 'right'), ends.searchsorted(end) + 1)
+            starts = ends[some] - self.lengths[some]
+            lengths = np.minimum(ends[some], end) - np.maximum(starts, begin)
+            found.append(SpeedProfile(self.shaft_hz[some][lengths > 0], lengths[lengths > 0]))
+        return found
 
     def equal_angles(self, count: int) -> NDArray[np.float64]:
         """

@@ -94,8 +94,8 @@ def track_speed(
     """
     padded = fft.next_fast_len(len(x), real=True)
     # Scaled, because powers of any unit must fit single precision.
-    scaled = (x - x.mean()) / max(float(x.std()), 1e-300)
-    spectrum = fft.rfft(scaled.astype(np.float32), padded)
+    scaled = ((x - x.mean()) / max(float(x.std()), 1e-300)).astype(np.float32)
+    spectrum = fft.rfft(scaled, padded)
     highest = math.ceil(2.0 * _HARMONICS * _HIGHEST * given_hz / sample_rate * padded)
     count = 2 * min(highest, padded // 2)
     rate = sample_rate * count / padded
