@@ -162,7 +162,7 @@ def _asked_for(diagnosis: Diagnosis) -> tuple[str, str]:
     if loud > LOUDEST:
         return 'suspect', (
             f'an acceleration of {loud:.3g} m/s^2 RMS, above {LOUDEST / GRAVITY:g} g (are unit '
-            'and scale right? if so, lubrication, worn races or a rub),'
+            'and scale right? if so, lubrication, worn races, a rub or gears that are so loud),'
         )
     if zone[0] == 'suspect':
         return zone
