@@ -21,6 +21,7 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.repeats import RepeatCheck, REPEATED
 from bearing_twin.stamps import samples_ns
 from bearing_twin.streams.samplerate import RateMeter
+from bearing_twin.streams.shaft import NEAR, speed_doubt
 from bearing_twin.streams.vibration_input import counts_doubt
 
 if TYPE_CHECKING:
@@ -89,6 +90,9 @@ class DiagnosisCore:
         """How declared sample rate and stamps contradict each other; '' if they do not."""
         self.unit_problem = ''
         """Why the samples seem to be of another unit than the block says; '' if they do not."""
+        self.speed_problem = ''
+        """Why the velocity of the joint seems to be in another unit; '' if it does not."""
+        self._was_nominal = False
         self._rate_meter, self._declared = RateMeter(), 0.0
         self._repeat = RepeatCheck()
         self._former: VibrationBlock | None = None
@@ -110,7 +114,7 @@ class DiagnosisCore:
     def reconfigure(self, values: Mapping[str, Any]) -> None:
         """Apply changed parameters; a new window begins, the baseline stays."""
         self.checkpoints.ask()
-        self.nominal_hz = nominal_speed(values)
+        self.nominal_hz, self._was_nominal = nominal_speed(values), False
         settings = build_settings(values)
         if bool(settings.series_cycle) != bool(self.diagnoser.settings.series_cycle):
             self.diagnoser = build_diagnoser(values)
@@ -172,6 +176,9 @@ class DiagnosisCore:
         ended = self.diagnoser.next_sample if series and not self.diagnoser.may_pause else None
         # Order of trust: the block, then the joint, then the parameter (nameplate speed).
         measured = joint_hz if math.isnan(block.shaft_hz) else block.shaft_hz
+        # A shaft that has turned as fast as given is given in rad/s: it may slow down.
+        self._was_nominal |= abs(joint_hz - self.nominal_hz) <= NEAR * self.nominal_hz
+        self.speed_problem = '' if self._was_nominal else speed_doubt(joint_hz, self.nominal_hz)
         excerpts = self.diagnoser.take(
             block.first_sample,
             block.samples,

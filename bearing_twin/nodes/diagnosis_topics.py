@@ -22,7 +22,6 @@ from bearing_twin.ros.topics.subscribing import (
     unheard,
     with_mismatch_reasons,
 )
-from bearing_twin.streams.shaft import speed_doubt
 from bearing_twin.streams.vibration_input import (
     Inputs,
     Intake,
@@ -236,9 +235,9 @@ class DiagnosisTopics:
         """Return the status of the vibration stream for /diagnostics."""
         unkept = self._state.problem
         unkept = unkept and f'baseline and trend are not kept: {unkept}'
-        core, measured = self._core, self._measured.shaft_hz(self._intake.length)
-        problems = [core.rate_problem, core.unit_problem, *self._measured.problems(), unkept]
-        problems.append(speed_doubt(measured, core.nominal_hz))
+        core = self._core
+        problems = [core.rate_problem, core.unit_problem, core.speed_problem]
+        problems += [*self._measured.problems(), unkept]
         if self._node.active and not self._prefix:
             problems += [
                 unheard(self._node, each)

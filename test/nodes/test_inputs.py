@@ -332,6 +332,11 @@ def test_counts_and_a_speed_in_another_unit_are_told(here, unit, factor, velocit
     message.first_sample, message.y = 1024, samples * np.float32(9.81 / 4096)
     topics.take(message)
     assert topics.input_status().message == 'vibration is fresh'
+    # A machine that coasts down is no other unit at a speed below by a factor of 6.28.
+    topics._measured.take_joints(JointState(name=['shaft'], velocity=[24.6]))
+    message.first_sample, message.y = 2048, message.y[::-1]
+    topics.take(message)
+    assert topics.input_status().message == 'vibration is fresh'
 
 
 def test_publishers_that_come_and_go_take_bounded_memory():
