@@ -187,7 +187,9 @@ def _at_moving_speed(
         'the lines of the shaft show, and the answer is that at these speeds; give the speed of '
         'each sample'
     )
-    return replace(said, reasons=(*said.reasons, text), severity=found.severity)
+    given, severity = found.shaft_hz_given, found.severity
+    reasons = (*said.reasons, text)
+    return replace(said, reasons=reasons, severity=severity, shaft_hz_given=given)
 
 
 def _may_strike_in_bursts(analysis: Analysis) -> bool:

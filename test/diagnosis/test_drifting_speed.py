@@ -217,6 +217,7 @@ def test_a_fault_is_named_while_the_shaft_starts_coasts_or_sways(profile, place)
         said = diagnose_record(x, rate, find_bearing('6206'), 30.0)
         assert (said.result, said.level) == (place, 'fault'), said.reasons
         assert 'the speed moves' in said.reasons[-1]
+        assert said.shaft_hz_given == 30.0
         assert said.sample_count == len(x)
 
 
