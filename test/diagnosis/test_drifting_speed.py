@@ -5,6 +5,7 @@
 from itertools import product
 
 from bearing_twin.bearing import fault_orders, find_bearing, PLACES
+from bearing_twin.cli import main
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.record import _smeared
@@ -219,6 +220,13 @@ def test_a_fault_is_named_while_the_shaft_starts_coasts_or_sways(profile, place)
         assert 'the speed moves' in said.reasons[-1]
         assert said.shaft_hz_given == 30.0
         assert said.sample_count == len(x)
+
+
+def test_the_mean_of_a_speed_that_moves_is_not_called_refined(tmp_path, capsys):
+    x, rate = _run('inner', 'start', 0)
+    np.savez(tmp_path / 'start.npz', x=x, fs=rate, rpm=1800.0)
+    main(['diagnose', str(tmp_path / 'start.npz'), '--bearing', '6206'])
+    assert 'Speed given  30 Hz; used: -27.94 %, by lines of the shaft' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize('profile', ['start', 'coast', 'sway'])

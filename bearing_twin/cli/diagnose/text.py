@@ -23,8 +23,9 @@ def card(message: Any) -> list[list[str]]:
     rows += measured(message)
     if (given := message.shaft_hz_given) > 0.0:
         off = message.shaft_hz / given - 1.0
-        refined = f', refined by {100.0 * off:+.2f} %' if abs(off) > 1e-4 else ''
-        rows.append(('Speed given', f'{given:.4g} Hz{refined}'))
+        # Refined, or the mean of a speed that moves.
+        used = f'; used: {100.0 * off:+.2f} %, by lines of the shaft' if abs(off) > 1e-4 else ''
+        rows.append(('Speed given', f'{given:.4g} Hz{used}'))
     rows += [('' if index else 'Why', text) for index, text in enumerate(reasons(message))]
     return [list(row) for row in (*rows, step)]
 
