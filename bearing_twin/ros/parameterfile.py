@@ -50,18 +50,23 @@ def doubts(words: Sequence[str], node: str) -> list[str]:
                     f'{file} sets parameters of {" and ".join(wrong)}, but this node is {node} '
                     f"and does not take them: write '/**/{node.rpartition('/')[2]}'"
                 )
-            given = defaultdict(list)
-            for section, parameters in sections:
-                if re.fullmatch(_pattern(section), node):
-                    for name, line in _lines(parameters):
-                        given[section, name].append(line)
-            sentences += [
-                f'{file} gives {name} of {section} in lines {" and ".join(map(str, lines))}: the '
-                'last value is taken; delete the others'
-                for (section, name), lines in given.items()
-                if len(lines) > 1
-            ]
+            sentences += _given_twice(file, sections, node)
     return sentences
+
+
+def _given_twice(file: str, sections: Sequence[tuple[str, Any]], node: str) -> list[str]:
+    """Return a sentence on each parameter of a node that a section of a file gives twice."""
+    given = defaultdict(list)
+    for section, parameters in sections:
+        if re.fullmatch(_pattern(section), node):
+            for name, line in _lines(parameters):
+                given[section, name].append(line)
+    return [
+        f'{file} gives {name} of {section} in lines {" and ".join(map(str, lines))}: the last '
+        'value is taken; delete the others'
+        for (section, name), lines in given.items()
+        if len(lines) > 1
+    ]
 
 
 def near_misses(sections: Sequence[str], node: str) -> list[str]:
