@@ -39,7 +39,7 @@ _PENALTY = 0.03
 """Cost of a change by one ratio from frame to frame, against jumps of the path by chance."""
 _STEEPEST = 10
 """Largest change from frame to frame, in ratios: 10 % in three turns."""
-SHOWN = 1.4
+_SHOWN = 1.4
 """Mean log power over the floor of the harmonics on the path, from which it is that of a shaft:
 in white noise (150 records of 5 to 12 s at 8 to 60 Hz) the mean is 0.91 and the highest 0.99."""
 _FAINTEST = 1.05
@@ -50,7 +50,7 @@ PRECISION = _RATIO
 """Relative error of the speeds that must be allowed for: in 79 of 79 simulated records the median
 error is at most half of it."""
 
-MOVES = 0.02
+_MOVES = 0.02
 """Least relative change of the speed, over the middle 80 % of its values, that is a movement: at a
 steady one it is 0.8 % in the median of simulated records, the steps of the first pass."""
 
@@ -106,7 +106,7 @@ def track_speed(
     ratios = np.arange(math.log(_LOWEST), math.log(_HIGHEST), _RATIO)
     path, shown = _path(low, frame, np.exp(ratios) * given_hz / rate, given_hz / rate, _STEEPEST)
     speeds = np.exp(path) * rate
-    if shown < _FAINTEST or _change(speeds) < 0.5 * MOVES:
+    if shown < _FAINTEST or _change(speeds) < 0.5 * _MOVES:
         return None
     numbers = np.arange(len(low))
     for turns, reach, ratio in _REFINEMENTS:
@@ -119,8 +119,8 @@ def track_speed(
         near = np.exp(np.arange(-reach, reach + 0.5 * ratio, ratio)) / _PER_TURN
         path, shown = _path(at_angles, frame, near, 1.0 / _PER_TURN, 3)
         speeds = speeds * np.exp(np.interp(angle, even, path)) * _PER_TURN
-    as_given = speeds.min() <= (1.0 + MOVES) * given_hz <= (1.0 + MOVES) ** 2 * speeds.max()
-    if not (shown >= SHOWN and _change(speeds) > MOVES and as_given):
+    as_given = speeds.min() <= (1.0 + _MOVES) * given_hz <= (1.0 + _MOVES) ** 2 * speeds.max()
+    if not (shown >= _SHOWN and _change(speeds) > _MOVES and as_given):
         return None
     return np.asarray(np.interp(np.arange(len(x)) / sample_rate, numbers / rate, speeds))
 
