@@ -291,7 +291,7 @@ def test_a_temperature_in_another_unit_is_recognised(value, unit):
     intake = Intake(blocks=1, arrived=0.0)
     for told in text, input_status(intake, 0.0, *inputs.problems()).message:
         assert (f'would be {unit}' in told) == bool(unit)
-    # Once the unit is corrected, nothing is said of it.
+    # With the right unit there is no problem to tell.
     inputs.take_temperature(SimpleNamespace(header=header, temperature=60.0))
     assert inputs.problems()[2] == ''
 
@@ -327,7 +327,7 @@ def test_counts_and_a_speed_in_another_unit_are_told(here, unit, factor, velocit
     status = topics.input_status()
     assert status.level.name == ('WARN' if told else 'OK')
     assert told in status.message
-    # Once the unit is corrected, nothing is said of it.
+    # With the right unit there is no problem to tell.
     topics._measured.take_joints(JointState(name=['shaft'], velocity=[2 * math.pi * 24.8]))
     message.first_sample, message.y = 1024, samples * np.float32(9.81 / 4096)
     topics.take(message)
