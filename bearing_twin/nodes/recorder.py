@@ -110,7 +110,7 @@ class RecorderNode(ManagedNode):
         self._topics.discover()
 
     def stop(self) -> None:
-        """Unsubscribe from all topics; write the received messages."""
+        """Write the messages that were received; the node destroys the subscriptions."""
         self._topics.close()
         # Messages sent until the node is active again do not count as lost.
         self._numbers.pause()

@@ -258,17 +258,21 @@ class ManagedNode(LifecycleNode):
         self.shut_down()
         return TransitionCallbackReturn.SUCCESS
 
-    def shut_down(self) -> None:
-        """Stop and tear down if necessary; called whenever the process ends."""
+    def shut_down(self, *, destroy: bool = True) -> None:
+        """
+        Stop and tear down if necessary; called whenever the process ends.
+
+        Without ``destroy`` the entities remain: a middleware that blocks keeps no file unfinished.
+        """
         if self.active:
             self.active = False
-            self._undo(self.stop, self._inactive)
+            self._undo(self.stop, self._inactive, destroy=destroy)
         if self.configured:
-            self._tear_down()
+            self._tear_down(destroy=destroy)
 
-    def _tear_down(self) -> TransitionCallbackReturn:
+    def _tear_down(self, *, destroy: bool = True) -> TransitionCallbackReturn:
         self.configured = False
-        result = self._undo(self.teardown, self._unconfigured)
+        result = self._undo(self.teardown, self._unconfigured, destroy=destroy)
         self.states.release()
         return result
 
@@ -292,10 +296,13 @@ class ManagedNode(LifecycleNode):
             destroy_new(self, before)
         return result
 
-    def _undo(self, step: Any, before: set[Any]) -> TransitionCallbackReturn:
-        """Attempt the step that leaves a state; destroy the entities made in that state."""
+    def _undo(
+        self, step: Any, before: set[Any], *, destroy: bool = True
+    ) -> TransitionCallbackReturn:
+        """Attempt the step that leaves a state; ``destroy`` the entities made in that state."""
         result = self._attempt(step)
-        destroy_new(self, before)
+        if destroy:
+            destroy_new(self, before)
         return result
 
     def _attempt(self, step: Any) -> TransitionCallbackReturn:

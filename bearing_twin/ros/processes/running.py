@@ -19,6 +19,7 @@ from bearing_twin.memory import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import PREPARATION, refuses
+from bearing_twin.ros.processes.deadlock import bounded, watch
 from bearing_twin.ros.processes.domain import initialise
 from bearing_twin.ros.processes.fastdds import fast_dds_settings
 from bearing_twin.ros.processes.launching import (
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 RCLError: type[Exception] = rclpy_implementation.RCLError
 SLOW = 2.0
 """Time after which a node reports why its preparation takes long, s."""
+LEAVING = 8
+"""Longest time for telling the other nodes of the end, s: launch kills after 10 s."""
 _PR_SET_PDEATHSIG = 1
 """Option in ``linux/prctl.h``: signal to a process when its parent ends."""
 PART = 'real time'
@@ -139,6 +142,16 @@ def _is_compiling() -> bool:
 def _work(node: ManagedNode) -> None:
     executor = LeanExecutor()
     executor.add_node(node)
+
+    def give_up(threads: str) -> None:
+        node.failed = True
+        node.get_logger().fatal(
+            f'the middleware has locked itself up ({threads}): the node hears nothing any more, '
+            'ends with status 1 and must be started again'
+        )
+        rclpy.try_shutdown()
+
+    watch(give_up)
     try:
         _prepare(node, executor)
         node.bring_up()
@@ -152,6 +165,7 @@ def _work(node: ManagedNode) -> None:
 
 def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
     node: ManagedNode | None = None
+    status = 1
     interrupts = _note_interrupts()
     if signal.getsignal(signal.SIGHUP) == signal.SIG_DFL:  # nohup ignores it
         signal.signal(signal.SIGHUP, _terminate)
@@ -166,19 +180,13 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
             _work(node)
         finally:
             if node is not None:
-                node.shut_down()
-                # Others would count on the node for 20 s after its end. rclpy keeps the state
-                # machine, and with it the participant.
-                node.destroy_node()
-                node._state_machine.destroy_when_not_in_use()
-            # A signal may shut down the context at the same time, in a thread of rclpy.
-            with contextlib.suppress(RCLError):
-                rclpy.try_shutdown()
+                node.shut_down(destroy=False)
+        status = 1 if node.failed else 0
     except ExternalShutdownException:
-        return 1 if node is not None and node.failed else 0
+        status = 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
         print(shown(f'{_program(node_class)}: {error}', keep='\n'), file=sys.stderr)
-        return REFUSED if node is None or node.refused else 1
+        status = REFUSED if node is None or node.refused else 1
     except RCLError as error:
         # With a time beyond 2038 Fast DDS 3.2 sends nothing and never recovers: the process must
         # be restarted.
@@ -186,11 +194,25 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         print(
             shown(f'{_program(node_class)}: nothing can be sent ({error}){hint}'), file=sys.stderr
         )
-        return 1
     finally:
         # Only the end of the process remains: do not interrupt it.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-    return 1 if node.failed else 0
+        _take_leave(node, status)
+    return status
+
+
+def _take_leave(node: ManagedNode | None, status: int) -> None:
+    """Tell the other nodes that this one ends: they would count on it for 20 s more."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with bounded(LEAVING, status):
+        if node is not None:
+            node.destroy_node()
+            # rclpy keeps the state machine, and with it the participant.
+            node._state_machine.destroy_when_not_in_use()
+        # A signal may shut down the context at the same time, in a thread of rclpy.
+        with contextlib.suppress(RCLError):
+            rclpy.try_shutdown()
 
 
 def _note_interrupts() -> list[int]:

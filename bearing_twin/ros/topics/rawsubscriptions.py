@@ -175,8 +175,8 @@ class RawSubscriptions:
             self._node.get_logger().info(f'{topic} is recorded, all of it')
 
     def close(self) -> None:
-        """Unsubscribe from everything."""
-        self._unsubscribe(*self._subscriptions)
+        """Take the queued messages of all topics; the node destroys the subscriptions."""
+        self._take_waiting(*self._subscriptions)
 
     def _subscribe(self, topic: str, type_name: str, qos: QoSProfile) -> None:
         message_schema(type_name)
@@ -196,8 +196,12 @@ class RawSubscriptions:
             event_callbacks=SubscriptionEventCallbacks(message_lost=self._on_lost),
         )
 
-    def _unsubscribe(self, *topics: str) -> None:
-        """Take the queued messages, which publishers consider received; then unsubscribe."""
+    def _unsubscribe(self, topic: str) -> None:
+        for subscription in self._take_waiting(topic):
+            self._node.destroy_subscription(subscription)
+
+    def _take_waiting(self, *topics: str) -> list[Subscription[Any]]:
+        """Take the queued messages, which publishers consider received; return their origins."""
         former = {t: self._subscriptions.pop(t) for t in topics if t in self._subscriptions}
         waiting: list[tuple[str, bytes, MessageInfo]] = []
         for topic, subscription in former.items():
@@ -211,8 +215,7 @@ class RawSubscriptions:
         # In order of reception, because simulated time may be the same for all of them.
         for topic, cdr, info in sorted(waiting, key=lambda m: m[2]['received_timestamp'] or 0):
             self._on_message(topic, self._types[topic], cdr, info)
-        for subscription in former.values():
-            self._node.destroy_subscription(subscription)
+        return list(former.values())
 
     def _on_lost(self, info: QoSMessageLostInfo) -> None:
         self.lost += info.total_count_change
