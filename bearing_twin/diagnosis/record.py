@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_WINDOW_TURNS = 256.0
+WINDOW_TURNS = 256.0
 """Shaft turns of the windows into which a record is cut."""
 
 _PART_TURNS = 2.0 * SHAFT_TURNS
@@ -133,28 +133,59 @@ def diagnose_record(
     profile = SpeedProfile(np.atleast_1d(speeds), lengths)
     cut = functools.partial(
         Excerpt.of, sample_rate=sample_rate, bearing=bearing, settings=settings,
-        longest=_WINDOW_TURNS, temperature=temperature, unit=unit,
+        longest=WINDOW_TURNS, temperature=temperature, unit=unit,
     )  # fmt: skip
     analysis = cut(signal, profile).analyse()
     if analysis.window and (copies := repeated_span(signal)):
         analysis = Analysis(analysis.excerpt, analysis.shaft_hz, refused=(copies,))
     found = analysis.alone
-    if found.rule in FAINT:
-        if found.level == 'suspect' and _may_strike_in_bursts(analysis):
-            # A segment is whitened by its own noise: bursts of seconds count little in the mean.
-            whole = cut(signal, profile, divided=False).analyse().alone
-            if whole.level == 'fault':
-                found = replace(whole, reasons=(*whole.reasons, _BURSTS))
-        # If the speed moves, the lines of a fault smear over the whole record but not over its
-        # parts.
-        if found.level != 'fault' and speeds.size == 1 and _smeared(analysis):
-            turns = len(signal) / sample_rate * _steady_hz(analysis.excerpt)
-            parts = functools.partial(_parts, analysis.excerpt, signal, turns, cut)
-            found = _moving(found, turns, parts) or found
+    if found.rule in FAINT and found.level == 'suspect' and _may_strike_in_bursts(analysis):
+        # A segment is whitened by its own noise: bursts of seconds count little in the mean.
+        whole = cut(signal, profile, divided=False).analyse().alone
+        if whole.level == 'fault':
+            found = replace(whole, reasons=(*whole.reasons, _BURSTS))
     if speeds.size == 1:
-        found = _at_moving_speed(found, analysis, signal, cut)
-        found = _with_other_shafts(found, analysis, functools.partial(cut, signal))
+        found = at_other_speeds(found, analysis, signal, cut)
     return with_fault_stage(with_required_level(found))
+
+
+def at_other_speeds(
+    found: Diagnosis,
+    analysis: Analysis,
+    x: NDArray[np.float64],
+    cut: Callable[..., Excerpt],
+) -> Diagnosis:
+    """
+    Return the answer after looks at other speeds than the steady one that is given.
+
+    Parameters
+    ----------
+    found
+        Answer at the given speed.
+    analysis
+        Analysis at the given speed.
+    x
+        Samples, shape (n,).
+    cut
+        Makes an excerpt of samples and their speed.
+
+    >>> from bearing_twin.bearing import find_bearing
+    >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
+    >>> known = {'bearing': find_bearing('6307'), 'settings': DiagnosisSettings()}
+    >>> cut = functools.partial(Excerpt.of, sample_rate=25600.0, **known)
+    >>> x = np.random.default_rng(0).standard_normal(102400)
+    >>> analysis = cut(x, 25.0).analyse()
+    >>> at_other_speeds(analysis.alone, analysis, x, cut).result
+    'healthy'
+
+    """
+    # If the speed moves, the lines of a fault smear over the whole but not over its parts.
+    if found.rule in FAINT and found.level != 'fault' and _smeared(analysis):
+        turns = len(x) / analysis.excerpt.sample_rate * _steady_hz(analysis.excerpt)
+        parts = functools.partial(_parts, analysis.excerpt, x, turns, cut)
+        found = _moving(found, turns, parts) or found
+    found = _at_moving_speed(found, analysis, x, cut)
+    return _with_other_shafts(found, analysis, functools.partial(cut, x))
 
 
 def _at_moving_speed(
@@ -292,7 +323,7 @@ def _part(excerpt: Excerpt, first: int, end: int) -> Excerpt:
     many = end - first
     mean_hz = excerpt.speed_profile.mean_hz
     turns = many * len(excerpt.stretches[0].samples) / excerpt.sample_rate * mean_hz
-    least = max(1, round(turns / _WINDOW_TURNS))
+    least = max(1, round(turns / WINDOW_TURNS))
     return replace(
         excerpt,
         stretches=excerpt.stretches[first:end],

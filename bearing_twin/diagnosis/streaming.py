@@ -14,8 +14,9 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import check_geometry
 from bearing_twin.diagnosis.chain import Excerpt, is_simulated, Stretch
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
-from bearing_twin.diagnosis.machine.held import Pace
+from bearing_twin.diagnosis.machine.held import HeldLevel, Pace
 from bearing_twin.diagnosis.machine.trend import Source, Trend
+from bearing_twin.diagnosis.record import at_other_speeds, WINDOW_TURNS
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.signal.shaft import SpeedProfile
 from bearing_twin.errors import BearingTwinError
@@ -42,6 +43,9 @@ PATIENCE = 3.0
 _STEADY = 1e-4
 """Largest relative change of the sample rate within a window: a line at 1 kHz moves by less than
 its width in 8 s."""
+LOOK_EVERY = 10
+"""Number of windows of which one is looked at for a speed that is not the given one: a look takes
+as long as two verdicts."""
 _FARTHEST = 2**63 - 1
 """Largest index of a sample, in either direction."""
 
@@ -339,7 +343,7 @@ class StreamingDiagnoser:
 
     def judge(self, analysis: Analysis) -> Diagnosis:
         """Return the diagnosis of a window together with earlier windows and verdicts."""
-        excerpt = analysis.excerpt
+        excerpt, window = analysis.excerpt, analysis.window
         settings = excerpt.settings
         wanted = Cut.of(settings, excerpt.sample_rate).samples
         full = excerpt.sample_count == wanted
@@ -351,12 +355,12 @@ class StreamingDiagnoser:
         if not self._trend.takes(source):
             self.other_source = f'baseline and trend are of {self._trend.source}, this is {source}'
         earlier: list[OrderSpectra] = []
-        if analysis.window is not None:
+        if window is not None:
             # Windows at another speed may have other bands.
-            bands = analysis.window.orders.carrier.shape
+            bands = window.orders.carrier.shape
             earlier = [w for w in self._before(excerpt, wanted) if w.carrier.shape == bands]
             if full and settings.averages:
-                self._earlier.append((excerpt.end, analysis.window.orders))
+                self._earlier.append((excerpt.end, window.orders))
         found = analysis.conclude(earlier) if earlier else analysis.alone
         trend = self._trend
         if self.other_source:
@@ -364,6 +368,8 @@ class StreamingDiagnoser:
             if not self._guest.takes(source):
                 self._guest = Trend()
             trend = self._guest
+        if full and found.level != 'fault' and self._looks(analysis, trend.held):
+            found = _looked_at(found, analysis)
         span = settings.memory if settings.averages else settings.window
         return trend.update(
             found,
@@ -550,6 +556,20 @@ class StreamingDiagnoser:
             run=self._run,
         )
 
+    def _looks(self, analysis: Analysis, held: HeldLevel) -> bool:
+        """
+        Return whether a window without an alarm is looked at for another speed than the given one.
+
+        It is if the speed is only nominal and the lines of the shaft do not show at it, or not at
+        one speed. Each tenth window is, and those after one that asked for a level that is not
+        held yet.
+        """
+        excerpt, window = analysis.excerpt, analysis.window
+        if window is None or window.speed.steady or not _is_nominal(excerpt):
+            return False
+        number = excerpt.end // Cut.of(excerpt.settings, excerpt.sample_rate).interval
+        return number % LOOK_EVERY == 0 or held.begins_to_rise
+
     def _before(self, excerpt: Excerpt, wanted: int) -> list[OrderSpectra]:
         """Return the windows to average with an excerpt, oldest first; drop those too old."""
         oldest = excerpt.end - round(excerpt.settings.memory * excerpt.sample_rate)
@@ -562,3 +582,21 @@ class StreamingDiagnoser:
                 windows.append(orders)
                 limit = end - wanted
         return windows[::-1]
+
+
+def _is_nominal(excerpt: Excerpt) -> bool:
+    """Return whether the speed of an excerpt is known no better than by a nameplate."""
+    settings = excerpt.settings
+    return settings.speed_tolerance > settings.measured_speed_tolerance
+
+
+def _looked_at(found: Diagnosis, analysis: Analysis) -> Diagnosis:
+    """Return the answer on a window after looks at other speeds, as those of a record."""
+    excerpt = analysis.excerpt
+    cut = functools.partial(
+        Excerpt.of, sample_rate=excerpt.sample_rate, bearing=excerpt.bearing,
+        settings=excerpt.settings, longest=WINDOW_TURNS, first_sample=excerpt.first_sample,
+        temperature=excerpt.temperature, unit=excerpt.unit, sensor=excerpt.sensor,
+        notes=excerpt.notes,
+    )  # fmt: skip
+    return at_other_speeds(found, analysis, excerpt.samples, cut)

@@ -6,7 +6,12 @@ from itertools import product
 
 from bearing_twin.bearing import fault_orders, find_bearing, PLACES
 from bearing_twin.cli import main
-from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings
+from bearing_twin.diagnosis import (
+    diagnose_record,
+    DiagnosisSettings,
+    streaming,
+    StreamingDiagnoser,
+)
 from bearing_twin.diagnosis.chain import Excerpt
 from bearing_twin.diagnosis.record import _smeared
 from cases import in_proofs
@@ -14,12 +19,17 @@ import numpy as np
 import pytest
 
 
-def _drifting(place, drift, seed, order=None, shaft=0.3, strength=0.8):
-    """8 s of impacts of a 6206, or of none, at 24.6 Hz that drift by a share of it."""
+def _drifting(place, drift, seed, order=None, shaft=0.3, strength=0.8, seconds=8):
+    """
+    Impacts of a 6206, or none, at 24.6 Hz that drift by a share of it.
+
+    Longer signals than 8 s sway by it.
+    """
     rng = np.random.default_rng(seed)
-    rate, count = 20480.0, 8 * 20480
+    rate, count = 20480.0, seconds * 20480
     times = np.arange(count) / rate
-    turns = np.cumsum(24.6 * (1.0 + drift * (times / 8.0 - 0.5))) / rate
+    moves = times / 8.0 - 0.5 if seconds == 8 else 0.5 * np.sin(np.pi * times / 12.0)
+    turns = np.cumsum(24.6 * (1.0 + drift * moves)) / rate
     x = rng.standard_normal(count)
     for harmonic in (1, 2, 3, 4):
         x += shaft * np.sin(2.0 * np.pi * harmonic * turns + rng.uniform(0.0, 6.0))
@@ -69,6 +79,38 @@ def test_a_weak_fault_whose_speed_drifts_is_no_health():
         x[: int(6.0 * rate)] = sound[: int(6.0 * rate)]
         said = diagnose_record(x, rate, find_bearing('6206'), 24.6)
         assert (said.level, said.faults) == ('suspect', ('outer',)), said.reasons
+
+
+def _stream(x, rate, **known):
+    diagnoser = StreamingDiagnoser(find_bearing('6206'))
+    return diagnoser.push(0, x, rate, 24.6, **known)
+
+
+@pytest.mark.parametrize('place', ['inner', 'outer'])
+def test_a_stream_at_a_nominal_speed_looks_at_the_speed_that_moves(place):
+    """Without the look no place is named in 40 s."""
+    x, rate = _drifting(place, 0.2, 3, strength=0.5, seconds=40)
+    said = _stream(x, rate)
+    assert (said[-1].level, said[-1].faults) == ('fault', (place,)), said[-1].reasons
+    assert any('the speed moves from' in ' '.join(each.reasons) for each in said)
+    x, rate = _drifting('', 0.2, 3, seconds=40)
+    assert {each.level for each in _stream(x, rate)[8:]} == {'ok'}
+
+
+def test_few_windows_of_a_stream_are_looked_at_for_a_moving_speed(monkeypatch):
+    """None at a measured speed or where sharp lines of the shaft show it."""
+    looked = []
+
+    def looks(found, *_):
+        looked.append(found)
+        return found
+
+    monkeypatch.setattr(streaming, 'at_other_speeds', looks)
+    for drift, known in ((0.0, {}), (0.12, {'speed_measured': True})):
+        _stream(*_drifting('', drift, 4, seconds=40), **known)
+        assert not looked
+    _stream(*_drifting('', 0.12, 4, seconds=40))
+    assert 0 < len(looked) <= 40 // streaming.LOOK_EVERY
 
 
 def test_a_sound_machine_whose_speed_drifts_has_no_alarm():

@@ -30,6 +30,7 @@ _MARGIN = 3.0
 _BESIDE = np.concatenate((np.linspace(0.68, 0.73, 64), np.linspace(1.18, 1.23, 64)))
 """Combs of the null, relative to the speed: away from the shaft and its simple fractions."""
 _STEADY = 0.005
+"""Relative change of a speed from which lines smear."""
 _FACTOR = 4.0
 """Largest assumed factor of a wrong given speed: motors have 2, 4, 6 or 8 poles."""
 _OTHERS = 2
@@ -47,6 +48,16 @@ class ShaftSpeed(NamedTuple):
     """Relative tolerance of the given speed."""
     spread: float = math.inf
     """Relative distance of the farthest speed within the tolerance with 2/3 of the score."""
+
+    @property
+    def shows(self) -> bool:
+        """Whether lines of the shaft show within the tolerance of the given speed."""
+        return self.score >= SHAFT_FOUND
+
+    @property
+    def steady(self) -> bool:
+        """Whether they show, and at one speed only."""
+        return self.shows and self.spread <= _STEADY
 
 
 def refine_shaft_hz(
