@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 19
+_VERSION = 20
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
 """Largest relative rounding of the time between updates."""
@@ -384,6 +384,7 @@ class StreamingDiagnoser:
                 window=settings.window,
             ),
             full=full,
+            speed_known=not _is_nominal(excerpt) or (window is not None and window.speed.shows),
         )
 
     def save(self) -> bytes:

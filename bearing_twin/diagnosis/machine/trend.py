@@ -9,7 +9,7 @@ import math
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import FAULT_CODES, LEVELS
-from bearing_twin.diagnosis.machine.baseline import Memory
+from bearing_twin.diagnosis.machine.baseline import Memory, WARM_UP
 from bearing_twin.diagnosis.machine.dependence import Condition, KNOWN_DB, Z90
 from bearing_twin.diagnosis.machine.held import HeldLevel, Known
 from bearing_twin.diagnosis.machine.level import (
@@ -43,7 +43,15 @@ _LEARNT_IN_DOUBT = (
     'faulty: a level over it may be that over a damaged machine; ~/reset learns it anew'
 )
 _LOWEST = 'no baseline yet: over the lowest level so far; ~/reset if the machine was idle then'
+_MAY_START = (
+    'louder than at first, before there is a baseline, and no lines of a shaft show at the given '
+    'speed: does the machine start up? Not compared; measure the speed'
+)
 _AFTER_REPAIR = 'after a repair reset the diagnosis'
+_BLIND = (
+    'no lines of a shaft show at the given speed, as they did when it was found, so this window '
+    f'does not tell that it has ended; measure the speed; {_AFTER_REPAIR}'
+)
 _LONG = 600.0
 """Pause before a level falls, s, from which a reason mentions that a reset ends it at once."""
 _MOST_OVER_DB = 0.5 * SUSPECT_DB
@@ -145,6 +153,10 @@ class Trend:
     rise: Rise = field(default_factory=Rise)
     measure: int = 0
     """Index in :data:`MEASURES` of the measure furthest over the baseline."""
+    shaft: int = 0
+    """Windows in a row with a known speed, until they are ``Pace.updates``."""
+    seen: bool = False
+    """Whether the speed was known in the newest window that asked for the held fault."""
     source: Source = field(default_factory=Source)
     """Source of the levels; its sample rate is 0 before the first window."""
     held: HeldLevel = field(default_factory=HeldLevel)
@@ -180,6 +192,7 @@ class Trend:
         wanted: int,
         pace: Pace,
         full: bool,
+        speed_known: bool = True,
     ) -> Diagnosis:
         """
         Take a diagnosis; return it with the level over the baseline, stage and held answer.
@@ -197,11 +210,16 @@ class Trend:
             level changes after ``pace.updates`` equal verdicts in a row.
         full
             Whether the window is full. The first full window sets the level at once.
+        speed_known
+            Whether the speed is measured, or lines of the shaft show at the nominal one.
 
         """
         severity = diagnosis.severity
+        # Combs at a wrong speed do not tell that a fault at the right one has ended.
+        blind = self.held.level == 'fault' and self.seen and not speed_known
         if not severity.rms > 0.0:
-            return self._shown(diagnosis, pace, full)
+            return self._shown(diagnosis, pace, full, blind)
+        self._look_for_shaft(speed_known, pace)
         levels, memory = monitored_levels(severity), self.memory
         now = Condition.at(diagnosis.temperature, diagnosis.shaft_hz)
         if not self.source.sample_rate:
@@ -223,7 +241,25 @@ class Trend:
             self.minute.append([*now, *levels])
             if len(self.minute) >= max(round(60.0 / pace.interval), 1):
                 self._take_minute(healthy=own.level == 'ok')
-        return self._shown(own, pace, full)
+        shown = self._shown(own, pace, full, blind)
+        if own.level == 'fault' == self.held.level and not blind:
+            self.seen = speed_known
+        return shown
+
+    def _look_for_shaft(self, speed_known: bool, pace: Pace) -> None:
+        """
+        Count windows with a known speed, and begin anew when the speed becomes known.
+
+        Before that the machine stood still or was starting up, at other levels.
+        """
+        if self.shaft >= pace.updates:
+            return
+        self.shaft = self.shaft + 1 if speed_known else 0
+        if self.shaft >= pace.updates and self.judged > self.shaft * pace.interval:
+            self.memory, self.rise = Memory(), Rise()
+            self.count = self.doubtful = 0
+            self.first.clear()
+            self.minute.clear()
 
     def _compared(
         self, diagnosis: Diagnosis, levels: list[float], now: Condition, wanted: int
@@ -240,7 +276,10 @@ class Trend:
         corrected = [dB - change for dB, change in zip(levels, changes, strict=True)]
         over = memory.over(corrected, now)
         over = [dB if known else none for dB, known in zip(over, same, strict=True)]
-        if base is None and not over[0] >= SUSPECT_DB:
+        # A machine that starts up gets louder. Without its speed nothing tells this from damage.
+        starts = not self.shaft and self.judged - memory.began < WARM_UP
+        if base is None and (starts or not over[0] >= SUSPECT_DB):
+            said += [_MAY_START] * (over[0] >= SUSPECT_DB)
             over = [math.nan] * len(over)
         sure = [dB - Z90 * deviation for dB, deviation in zip(over, deviations, strict=True)]
         most = self.measure = self._leading(sure)
@@ -283,8 +322,12 @@ class Trend:
         asks = any(named < limit <= highest for limit in (SUSPECT_DB, FAULT_DB))
         return most if clear or asks else self.measure
 
-    def _shown(self, own: Diagnosis, pace: Pace, full: bool) -> Diagnosis:
-        """Return the shown diagnosis; a single window without information changes no answer."""
+    def _shown(self, own: Diagnosis, pace: Pace, full: bool, blind: bool) -> Diagnosis:
+        """
+        Return the shown diagnosis; a single window without information changes no answer.
+
+        A ``blind`` window does not know the speed at which the held fault was found.
+        """
         nothing = own.level == 'none'
         if full or self.held.level:
             # What cannot be told of a whole window is a fact of the input: a machine that stands
@@ -295,7 +338,7 @@ class Trend:
         if nothing:
             self.silent_rule, self.silent_why = own.rule, '; '.join(own.reasons)
         held = not nothing or self.held.level not in ('', 'none')
-        shown = with_fault_stage(self._held(own, pace, full) if held else own)
+        shown = with_fault_stage(self._held(own, pace, full, blind) if held else own)
         stage = shown.severity.stage
         if own.level == shown.level:
             self.answer = replace(self.answer, stage=stage)
@@ -322,7 +365,7 @@ class Trend:
             scatter = 1.4826 * float(np.median(np.abs(np.array(floors) - floor)))
             self.rise.add(levels[0] - law.correct(now, base)[0] - floor, scatter)
 
-    def _held(self, own: Diagnosis, pace: Pace, full: bool) -> Diagnosis:
+    def _held(self, own: Diagnosis, pace: Pace, full: bool, blind: bool) -> Diagnosis:
         """Return the diagnosis of a window with the held level and answer."""
         held = self.held
         if not held.level and not full:
@@ -331,7 +374,7 @@ class Trend:
         newest = HeldAnswer.of(own)
         # Without information a fault is held for as long as that lasts, any other answer for a
         # while.
-        told = own.level != 'none' or held.level == 'suspect'
+        told = not blind and (own.level != 'none' or held.level == 'suspect')
         before, level = held.level, held.take(own.level, pace) if told else held.level
         if told and own.level != level:
             self.other, self.other_count = HeldAnswer(), 0
@@ -347,7 +390,8 @@ class Trend:
             if unknown and self.known.needed and self.known.usable:
                 return replace(own, reasons=(*own.reasons, str(self.known)))
             return own
-        text = f'{answer}, {level} held: {self._why_held(newest, own.level, pace)}'
+        why = _BLIND if blind else self._why_held(newest, own.level, pace)
+        text = f'{answer}, {level} held: {why}'
         return replace(
             own,
             result=answer.result,

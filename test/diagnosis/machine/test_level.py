@@ -538,6 +538,42 @@ def test_a_stream_that_climbs_while_it_is_learnt_is_not_its_own_baseline(minutes
     assert repr(restored(Trend, trend.values())) == repr(trend)
 
 
+def test_a_machine_that_starts_up_at_a_nominal_speed_is_no_alarm():
+    """It gets 24 dB louder, and the lines of its shaft show at the given speed from then on."""
+    loud = 10.0 ** (np.r_[np.linspace(-24.0, 0.0, 60), np.zeros(240)] / 20.0)
+    shows = np.arange(300) >= 60
+    said_at = [said('healthy', 'ok', rms=rms) for rms in loud]
+    for starts in (True, False):
+        trend, known = Trend(), {'wanted': 60, 'pace': Pace(), 'full': True}
+        found = [
+            trend.update(each, MACHINE, speed_known=not starts or bool(known_now), **known)
+            for each, known_now in zip(said_at, shows, strict=True)
+        ]
+        assert ({each.level for each in found} == {'ok'}) == starts
+        if starts:
+            assert any('start up?' in ' '.join(each.reasons) for each in found)
+            assert trend.memory.base.levels[0] == pytest.approx(0.0, abs=0.1)
+        assert repr(restored(Trend, trend.values())) == repr(trend)
+
+
+def test_a_fault_does_not_end_while_its_speed_is_not_known():
+    """A machine that coasts down shows its combs at no given speed."""
+    worn, silent = said('inner', 'fault', 'inner'), said('healthy', 'ok')
+    for lost, level in ((True, 'fault'), (False, 'ok')):
+        trend, known = Trend(), {'wanted': 600, 'pace': Pace(), 'full': True}
+        for _ in range(120):
+            trend.update(worn, MACHINE, **known)
+        found = [trend.update(silent, MACHINE, speed_known=not lost, **known) for _ in range(120)]
+        assert found[-1].level == level
+        assert ('no lines of a shaft show' in found[9].reasons[-1]) == lost
+    # At a known speed it is told as soon as before, also one that was never known.
+    for known_then in (True, False):
+        trend = Trend()
+        for each, it in ((worn, known_then), (silent, True)):
+            found = [trend.update(each, MACHINE, speed_known=it, **known) for _ in range(120)]
+        assert found[-1].level == 'ok'
+
+
 def test_a_standing_shaft_has_no_zone_and_c_is_a_lower_bound():
     """Zone C from 10 Hz on is at least zone C from 2 Hz on, also where the speed is not known."""
     settings = DiagnosisSettings(power_group=2, mounting='rigid')
