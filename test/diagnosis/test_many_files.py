@@ -90,6 +90,25 @@ def test_a_file_that_kills_its_process_takes_no_other_with_it(good, tmp_path, ca
     assert ['error' in answer for answer in answers] == [False, False, True, False, False, False]
 
 
+@pytest.mark.parametrize('leaves', ['its reader', 'an interrupt'])
+def test_an_end_in_between_diagnoses_no_further_file(leaves, good, tmp_path):
+    words = ['diagnose', *[str(good)] * 2000, '--bearing', '6307', '--shaft-hz', '25.4']
+    words += ['--json', '--jobs', '2']
+    command = [sys.executable, '-m', 'bearing_twin', *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert json.loads(process.stdout.readline())['result'] == 'inner'
+        began = time.monotonic()
+        if leaves == 'its reader':
+            process.stdout.close()
+            assert process.wait(60.0) == 141
+        else:
+            process.send_signal(signal.SIGINT)
+            process.stdout.read()
+            assert process.wait(60.0) == 130
+        # Each of the others would take 20 ms of a core and more.
+        assert time.monotonic() - began < 5.0
+
+
 @pytest.mark.parametrize('command', ['diagnose', 'benchmark'])
 def test_fewer_processes_than_one_are_refused(command, good, tmp_path, capsys):
     record = {

@@ -52,12 +52,16 @@ def _on_cores(diagnose: _Diagnose, tasks: Sequence[Task], jobs: int) -> Iterator
 
     # Compiled or loaded once, where it is reported; else each process would do it again.
     warm_up()
-    with ProcessPoolExecutor(jobs) as pool:
+    pool = ProcessPoolExecutor(jobs)
+    try:
         futures = [pool.submit(diagnose, task) for task in tasks]
         for task, future in zip(tasks, futures, strict=True):
             killed = isinstance(future.exception(), BrokenProcessPool)
             # A process for each file shows which one was the cause.
             yield _alone(diagnose, task) if killed else future.result()
+    finally:
+        # After an interrupt, or if nobody reads on, the other files are not diagnosed.
+        pool.shutdown(cancel_futures=True)
 
 
 def _alone(diagnose: _Diagnose, task: Task) -> dict[str, Any]:
