@@ -178,6 +178,8 @@ class OutputFile:
         """Messages that were completely given to the operating system."""
         self.start = 0
         """First log time, ns."""
+        self.made = False
+        """Whether this object has made the file."""
         self.vanished = False
         """Whether the file was removed while it was written."""
         self.alone = False
@@ -328,6 +330,7 @@ class OutputFile:
         self.alone = not self.path.parent.exists()
         self.path.parent.mkdir(exist_ok=True)
         self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+        self.made = True
         with contextlib.suppress(OSError):
             # Some network file systems do not support locks.
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -143,7 +143,8 @@ class RecordingWriter:
             if path.exists():
                 msg = f'{path} exists and is not overwritten; choose another name'
                 raise BearingTwinError(msg)
-            (path if self.bag else path.parent).mkdir(parents=True, exist_ok=True)
+            # Another recorder may make the same folder, or the same file, at this moment.
+            (path if self.bag else path.parent).mkdir(parents=True, exist_ok=not self.bag)
         except OSError as error:
             raise BearingTwinError(f'{path} cannot be made: {error.strerror}') from None
         self._file = self._open()
@@ -329,7 +330,7 @@ class RecordingWriter:
         for file in (*self._ending, self._file):
             file.abandon()
         names = [file.name for file in self._finished.files]
-        names += [file.path.name for file in (*self._ending, self._file)]
+        names += [file.path.name for file in (*self._ending, self._file) if file.made]
         folder = self.path if self.bag else self.path.parent
         with contextlib.suppress(OSError):
             for name in (*names, *(('metadata.yaml',) if self.bag else ())):

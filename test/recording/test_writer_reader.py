@@ -213,6 +213,22 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     assert (tmp_path / 'file.mcap').read_bytes() == b'mine'
 
 
+@pytest.mark.parametrize('name', ['run', 'file.mcap'])
+def test_of_two_that_take_one_name_at_once_the_later_one_removes_nothing(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / name
+    with RecordingWriter(path) as first:
+        put_block(first, 0)
+        # The later one has looked before the first one came.
+        with monkeypatch.context() as patched:
+            patched.setattr(type(path), 'exists', lambda _: False)
+            with pytest.raises(BearingTwinError, match=r'cannot be made: .*exists'):
+                RecordingWriter(path)
+    assert first.lost == 0
+    assert recording_info(path).count == 1
+
+
 def test_storage_limit_stops(tmp_path: Path) -> None:
     limit = 200_000
     with RecordingWriter(tmp_path / 'run', WriterOptions(storage_limit=limit)) as writer:
