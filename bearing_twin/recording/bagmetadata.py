@@ -73,7 +73,8 @@ class FinishedFiles:
     def __init__(self, folder: Path, disk: DiskSync) -> None:
         self.files: list[BagFile] = []
         """The oldest first, without those that are left out."""
-        self._folder, self._disk = folder, disk
+        self.folder = folder
+        self._disk = disk
         # Messages and bytes of the files that are left out.
         self._earlier_count = self._earlier_size = 0
         # The files that metadata.yaml should list, those that it lists, and why it does not.
@@ -106,7 +107,7 @@ class FinishedFiles:
         """Delete the oldest file; return the error, '' if there is none."""
         oldest = self.files[0]
         try:
-            (self._folder / oldest.name).unlink(missing_ok=True)
+            (self.folder / oldest.name).unlink(missing_ok=True)
         except OSError as error:
             return f'{oldest.name} cannot be deleted: {error.strerror}'
         del self.files[0]
@@ -115,11 +116,11 @@ class FinishedFiles:
     def forget_removed(self) -> int:
         """Forget the files that somebody removed; return the number of their messages."""
         lost = 0
-        if self._earlier_count and not (self._folder / f'{self._folder.name}_0.mcap').exists():
+        if self._earlier_count and not (self.folder / f'{self.folder.name}_0.mcap').exists():
             lost = self._earlier_count
             self._earlier_count = self._earlier_size = 0
         for file in list(self.files):
-            if not (self._folder / file.name).exists():
+            if not (self.folder / file.name).exists():
                 lost += file.count
                 self.files.remove(file)
         return lost
@@ -132,7 +133,7 @@ class FinishedFiles:
     def _write_list(self) -> None:
         files = self._to_list
         if files is not self._listed:
-            self._problem = _write_metadata_file(self._folder, files)
+            self._problem = _write_metadata_file(self.folder, files)
             self._listed = files
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import UsageError
 from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 from bearing_twin.stamps import NANO
+from bearing_twin.wholefile import free_path
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,7 +22,8 @@ class SnapshotWriter(RecordingWriter):
     """
     Keep the last seconds of all topics; :meth:`trigger` writes them and the following messages.
 
-    The first trigger makes the bag folder; later ones begin a new file in it.
+    The first trigger makes the bag folder, with the next free name if another recorder has taken
+    its own meanwhile; later ones begin a new file in it.
 
     Messages from ``before`` seconds before a trigger to ``after`` seconds after it are written.
     The messages kept in memory take at most ``memory`` bytes.
@@ -60,6 +62,11 @@ class SnapshotWriter(RecordingWriter):
         oldest = message.log_time - self._before
         while self._kept and (self._kept[0].log_time < oldest or self._kept_bytes > self._memory):
             self._kept_bytes -= self._kept.popleft().memory
+
+    def _begin(self) -> None:
+        # Another recorder may have taken the name since the start.
+        self.path = self._finished.folder = free_path(self.path)
+        super()._begin()
 
     def trigger(self, log_time: int) -> None:
         """Write the kept messages, and those up to ``after`` seconds after ``log_time`` (ns)."""

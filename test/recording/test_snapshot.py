@@ -78,3 +78,18 @@ def test_nothing_happens_without_a_trigger(tmp_path: Path) -> None:
     (tmp_path / 'taken').mkdir()
     with pytest.raises(BearingTwinError, match='does not exist yet'):
         SnapshotWriter(tmp_path / 'taken', before=1.0, after=1.0, memory=1000)
+
+
+def test_a_name_that_another_recorder_took_meanwhile_costs_no_snapshot(tmp_path: Path) -> None:
+    writers = [
+        SnapshotWriter(tmp_path / 'run', before=2.0, after=0.0, memory=10**6) for _ in range(2)
+    ]
+    for second, writer in enumerate(writers, start=10):
+        put(writer, second)
+        writer.trigger(START + second * NANO)
+        writer.close()
+    assert [writer.path.name for writer in writers] == ['run', 'run_2']
+    assert [seconds(writer.path) for writer in writers] == [[10], [11]]
+    assert sorted(path.name for path in writers[1].path.iterdir()) == [
+        'metadata.yaml', 'run_2_0.mcap',
+    ]  # fmt: skip
