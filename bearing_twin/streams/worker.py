@@ -71,10 +71,11 @@ class Worker(Generic[Task, Answer]):
             self._pipe, theirs = context.Pipe()
             self._turn = threading.Lock()
             with theirs:
-                self._process = context.Process(
+                process = context.Process(
                     target=_serve, args=(theirs, os.getpid(), *self._made_of), daemon=True
                 )
-                self._process.start()
+                process.start()
+            self._process = process
         future: Future[Answer] = Future()
         # The thread cannot wait forever: a process that ends closes its end of the pipe.
         arguments = (self._pipe, self._turn, task, future)

@@ -70,6 +70,25 @@ def test_a_killed_process_is_told_and_replaced(worker):
     assert sleeper.submit(0.0).result(60.0) is None
 
 
+def test_a_process_that_cannot_be_started_is_told_and_leaves_nothing_to_end():
+    script = f"""{HEAD}    import resource
+    worker = Worker(len)
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    # Descriptors for nothing, for a pipe only, for a part of what a process needs.
+    for most in range(3, 40):
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+        try:
+            worker.submit(b'1')
+        except OSError:
+            pass
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+        worker.end()
+    print(worker.submit(b'12').result(60.0))
+"""
+    ran = python('-c', script)
+    assert (ran.stdout, ran.returncode) == ('2\n', 0), ran.stderr
+
+
 @pytest.mark.parametrize('wait', ['0', "worker.submit(b'1').result()"], ids=['at once', 'later'])
 def test_left_with_a_large_task_it_keeps_nobody(tmp_path, wait):
     # A process that is left before it has read what it was given: the pipe to it stays full.
