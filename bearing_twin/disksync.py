@@ -58,7 +58,13 @@ class DiskSync:
 
     def request(self, fd: int, folder: Path) -> None:
         """Request the fsync of an open file; the caller may close it meanwhile."""
-        self.do(functools.partial(self._sync, os.dup(fd), folder))
+        try:
+            kept = os.dup(fd)
+        except OSError as error:
+            # No descriptor is left.
+            self.problem = f'{folder}: {error.strerror}'
+            return
+        self.do(functools.partial(self._sync, kept, folder))
 
     def do(self, work: Callable[[], T]) -> Job[T]:
         """Queue ``work`` for the background thread; return a future of its result."""

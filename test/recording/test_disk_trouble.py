@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 import resource
 import shutil
 import sys
+import time
 import tracemalloc
 from typing import TYPE_CHECKING
 
@@ -245,8 +246,8 @@ def test_a_result_on_a_full_disk_is_whole_or_absent(
     assert main(['view', str(run), '--save', str(tmp_path / 'a.rrd')]) == 0
 
 
-def test_no_descriptor_left_keeps_no_recorder_from_its_search(tmp_path: Path) -> None:
-    (tmp_path / 'bag').mkdir()
+@contextmanager
+def no_descriptor_left() -> Iterator[None]:
     held = []
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (256, hard))
@@ -254,11 +255,28 @@ def test_no_descriptor_left_keeps_no_recorder_from_its_search(tmp_path: Path) ->
         with suppress(OSError):
             while True:
                 held.append(open('/dev/null'))  # noqa: PTH123, SIM115
-        assert find_unfinished(tmp_path) == []
+        yield
     finally:
         for file in held:
             file.close()
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+def test_no_descriptor_left_keeps_no_recorder_from_its_search(tmp_path: Path) -> None:
+    (tmp_path / 'bag').mkdir()
+    with no_descriptor_left():
+        assert find_unfinished(tmp_path) == []
+
+
+def test_no_descriptor_left_to_synchronise_is_told_and_recording_goes_on(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / 'run', WriterOptions(sync_period=1e-3)) as writer:
+        with no_descriptor_left():
+            put_block(writer, 0)
+            time.sleep(0.01)
+            writer.flush()
+        assert 'Too many open files' in writer.sync_problem
+        put_block(writer, 1)
+    assert recording_info(tmp_path / 'run').count == 2
 
 
 def test_a_state_on_a_full_disk_takes_no_name(tmp_path: Path) -> None:
