@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.mcap.mcapfile import (
     BrokenRecording,
+    check_magic,
     MAGIC,
     parse,
     read_record,
     record_at,
+    refuse_special,
     UnfinishedRecording,
 )
 from bearing_twin.recording.mcap.messages import in_file_order, Selection
@@ -139,7 +141,10 @@ def find_unfinished(folder: Path) -> list[Path]:
 
 
 def _is_our_torn_file(path: Path) -> bool:
-    with open_mcap(path) as file:
+    refuse_special(path)
+    with path.open('rb') as file:
+        # A large file that does not begin as ours do is not searched: the recorder is starting.
+        check_magic(file)
         size = path.stat().st_size
         try:
             summary_place(file, size)

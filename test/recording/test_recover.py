@@ -384,7 +384,12 @@ def test_own_unfinished_files_are_found_and_live_ones_are_not(tmp_path: Path) ->
     file.write_bytes(file.read_bytes()[:-100])
     (tmp_path / 'foreign.mcap').write_bytes(b'\x89MCAP0\r\n')
     (tmp_path / 'text.mcap').write_text('no MCAP')
+    with (tmp_path / 'zeros.mcap').open('wb') as zeros:
+        # It would take half a minute to read, and the recorder is starting.
+        zeros.truncate(8_000_000_000)
+    began = time.monotonic()
     assert find_unfinished(tmp_path) == [tmp_path / 'torn']
+    assert time.monotonic() - began < 2.0
     with RecordingWriter(tmp_path / 'live') as writer:
         writer.write('/t', TEMPERATURE, temperature_cdr(START, 20.0), log_time=1)
         writer.flush()
