@@ -227,6 +227,11 @@ def test_live_view_without_a_server_fails_at_once(capsys, monkeypatch):
     assert f'rerun_port:={port}' in error
 
 
+def test_a_server_of_an_impossible_name_is_said_in_a_sentence(capsys):
+    assert main(['view', '--live', 'a..b:9876']) == 1
+    assert 'no Rerun server at a..b:9876' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize('command', ['info', 'recover', 'report', 'verify', 'diagnose'])
 def test_what_the_system_refuses_is_said_in_a_sentence(command, capsys):
     name = 'x' * 300

@@ -111,9 +111,11 @@ def _server(text: str) -> str:
     host, port = address.hostname or '127.0.0.1', address.port or 9876
     try:
         socket.create_connection((host, port), timeout=2.0).close()
-    except OSError as error:
+    except (OSError, UnicodeError) as error:
+        # A name with an empty part, or one that is too long, is a UnicodeError.
+        why = getattr(error, 'strerror', None) or error
         raise BearingTwinError(
-            f'no Rerun server at {host}:{port} ({error.strerror or error}); start a recorder with '
+            f'no Rerun server at {host}:{port} ({why}); start a recorder with '
             f"'-p rerun_port:={port}', or name the address of one: --live ADDRESS:PORT"
         ) from None
     return url
