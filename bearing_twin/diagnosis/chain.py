@@ -137,6 +137,8 @@ class Excerpt:
     """Events of the stream since the previous excerpt."""
     run: int = 0
     """Number of the uninterrupted run of samples that holds the excerpt."""
+    time: float = math.nan
+    """Time of a snapshot of a series, s."""
     left_over: int = 0
     """Number of samples after the stretches, which are not analysed."""
     pieces: int = 1

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from contextlib import suppress
 from dataclasses import asdict, replace
 import math
@@ -74,7 +73,6 @@ class SeriesDiagnoser:
         self._whole = math.nan
         self._short = ''
         self._parts: list[tuple[NDArray[np.float64], float]] = []
-        self._due: deque[float] = deque()
         self._bearing, self._settings = bearing, settings
         self._monitor = SeriesMonitor(self._bearing, self._settings)
         # Whether single snapshots tell enough to call the bearing healthy.
@@ -191,7 +189,6 @@ class SeriesDiagnoser:
             self._short = f': the last snapshot has {count} samples, and {SHORTEST} are the least'
             return []
         self._whole, self._short = self._last, ''
-        self._due.append(self._last)
         return [
             Excerpt.of(
                 np.concatenate([part for part, _ in parts]),
@@ -202,6 +199,7 @@ class SeriesDiagnoser:
                 self._bearing,
                 settings,
                 first_sample=self._next - count,
+                time=self._last,
                 **known,
             )
         ]
@@ -211,7 +209,7 @@ class SeriesDiagnoser:
         return with_fault_stage(self._judged(analysis))
 
     def _judged(self, analysis: Analysis) -> Diagnosis:
-        excerpt, time = analysis.excerpt, self._due.popleft()
+        excerpt = analysis.excerpt
         found = answer_alone(analysis)
         source = Source(excerpt.sensor, excerpt.bearing.name, excerpt.unit, excerpt.sample_rate)
         if not self._source.sample_rate:
@@ -221,7 +219,7 @@ class SeriesDiagnoser:
             self.other_source = f'the series is of {self._source}, this is {source}'
             return replace(found, reasons=(*found.reasons, self.other_source))
         point = self._monitor.add(
-            time, excerpt.samples, excerpt.sample_rate, excerpt.speed_profile.mean_hz,
+            excerpt.time, excerpt.samples, excerpt.sample_rate, excerpt.speed_profile.mean_hz,
             temperature=excerpt.temperature, unit=excerpt.unit, answer=found,
         )  # fmt: skip
         report = self._monitor.report()
@@ -286,7 +284,6 @@ class SeriesDiagnoser:
         self._ended, self._last, self._next = ended, last, following
         self._whole = math.nan
         self._parts.clear()
-        self._due.clear()
 
 
 def _held(alone: Diagnosis, report: SeriesReport, known: Known) -> Diagnosis:

@@ -235,6 +235,18 @@ def test_a_series_goes_on_where_the_rate_changes_after_a_year(share, restarted):
     assert len(times) == 8
 
 
+def test_a_snapshot_that_is_not_judged_shifts_the_time_of_no_other():
+    diagnoser = SeriesDiagnoser(find_bearing('6307'), CYCLE_SETTINGS)
+    rng = np.random.default_rng(0)
+    taken = [
+        diagnoser.take(round(600.0 * number * RATE), rng.standard_normal(12_800), RATE, 25.0)
+        for number in range(3)
+    ]
+    for (excerpt,) in taken[1:]:
+        diagnoser.judge(excerpt.analyse())
+    assert [point.time for point in diagnoser._monitor.report().points] == [600.0, 1200.0]
+
+
 def test_series_is_saved_and_resumed_to_the_bit():
     bearing = find_bearing('6307')
     straight = SeriesDiagnoser(bearing, CYCLE_SETTINGS)
