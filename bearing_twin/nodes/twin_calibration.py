@@ -59,7 +59,7 @@ class TwinCalibration:
         if differs:
             self._twin.take(fitted)
             self._name, self._text = values['calibration'], fitted.text if fitted else ''
-            self._heard = False
+            self._problem, self._heard = '', False
 
     def requested_model(self, values: Mapping[str, Any]) -> tuple[bool, FittedModel | None]:
         """

@@ -249,9 +249,11 @@ def test_a_change_that_no_step_resolves_is_refused_and_the_twin_goes_on(nodes, p
 
 
 @pytest.mark.ros
-def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(here, calibration):
+def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(
+    here, calibration, tmp_path
+):
     given = {name: VALUES[name] for name in ('bearing', 'preset', 'shaft_hz')}
-    node = here(TwinNode, follow_calibration=True, **given)
+    node = here(TwinNode, follow_calibration=True, state_directory=str(tmp_path), **given)
     node.trigger_configure()
     status = node._calibration.status()
     assert (status.level, status.message) == (Level.OK, 'runs by its own parameters')
@@ -271,6 +273,13 @@ def test_a_twin_waits_for_a_calibration_only_where_somebody_publishes_it(here, c
     assert becomes(Level.OK).startswith('taken: ')
     node.destroy_publisher(publisher)
     assert becomes(Level.STALE).startswith('no node publishes calibrations any more')
+    # What is wrong with one from the topic is not wrong with the next, from a file.
+    node._calibration._on_calibration(Calibration(json='{}'), None)
+    assert becomes(Level.WARN).startswith('calibration not taken: ')
+    (tmp_path / 'pump.json').write_text(calibration.replace('"unit": "g"', '"unit": "m/s^2"'))
+    node._calibration.apply({**node.parameters.values, 'calibration': 'pump.json'})
+    node._calibration._twin.advance()
+    assert becomes(Level.OK).startswith('taken: ')
 
 
 @pytest.mark.usefixtures('compiled')
