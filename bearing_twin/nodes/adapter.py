@@ -234,7 +234,8 @@ class AdapterNode(ManagedNode):
         if self._stamps.crowded:
             self._crowded = self._intake.arrived
         acceleration = message.linear_acceleration
-        sample = np.array([[acceleration.x], [acceleration.y], [acceleration.z]], dtype=np.float32)
+        axes = acceleration.x, acceleration.y, acceleration.z
+        sample = split_channels(np.array(axes), len(axes), interleaved=True)
         self._publish(self._builder.push(sample, stamp=stamp, rate=rate), rate)
 
     def _accept(self, info: MessageInfo) -> bool:
@@ -278,7 +279,9 @@ class AdapterNode(ManagedNode):
         p = self.parameters
         for block in blocks:
             self._sent += block.samples.shape[1]
-            values = block.samples * np.float32(p['scale'])
+            with np.errstate(over='ignore'):
+                # What becomes infinite is counted below.
+                values = block.samples * np.float32(p['scale'])
             channels = p['channel_x'], p['channel_y']
             chosen = values[[c for c in channels if c >= 0]]
             if unusable := int((~np.isfinite(chosen)).any(axis=0).sum()):

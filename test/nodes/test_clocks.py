@@ -330,6 +330,27 @@ def test_a_wrong_rate_of_long_messages_is_told(period, level, text, here):
 
 
 @pytest.mark.ros
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('source', ['imu', 'float32_multi_array'])
+def test_what_is_too_large_for_single_precision_is_told_without_a_warning(source, here):
+    node = here(AdapterNode, source=source, sample_rate=1000.0, block_size=64, scale=1e6)
+    node.trigger_configure()
+    for k in range(64):
+        at = EPOCH + k * NANO // 1000
+        info = {'source_timestamp': at + NANO, 'publication_sequence_number': k + 1}
+        if source == 'imu':
+            message = Imu()
+            message.linear_acceleration.x = 1e300
+            message.header.stamp = time_message(at)
+            node._on_imu(message, {'publisher_gid': 'a', **info})
+        else:
+            node._on_array(Float32MultiArray(data=[1e38]), {'publisher_gid': 'a', **info})
+    status = node._input_status()
+    assert 'NaN or infinite' in status.message
+    assert status.values['samples_not_finite'] == 64
+
+
+@pytest.mark.ros
 def test_an_imu_without_acceleration_is_refused(here):
     node = here(AdapterNode, source='imu')
     node.trigger_configure()
