@@ -83,7 +83,9 @@ class RecorderNode(ManagedNode):
         self.get_logger().info(f'recording to {self._writer.path}')
 
     def _begin(self) -> None:
-        self._unfinished = find_unfinished(self._writer.path.absolute().parent)
+        # Found out now: the working directory may be removed.
+        self._folder = self._writer.path.absolute().parent
+        self._unfinished = find_unfinished(self._folder)
         for path in self._unfinished:
             self.get_logger().warning(
                 f"{path} was not finished: 'bearing-twin recover {path}' saves what is in it"
@@ -246,7 +248,7 @@ class RecorderNode(ManagedNode):
         writer, left_out = self._writer, self._topics.left_out
         lost = self._lost_on_the_way
         values = {
-            'output': writer.path.absolute(),
+            'output': self._folder / writer.path.name,
             'messages_written': writer.written,
             'messages_lost_by_disk': writer.lost,
             'messages_lost_on_the_way': lost,

@@ -80,6 +80,8 @@ class ReplayNode(ManagedNode):
         """Open the recording; create publishers and services."""
         p = self.parameters
         self._player = self._open()
+        # Found out now: the working directory may be removed.
+        self._path = self._player.path.absolute()
         for problem in self._player.info.problems:
             self.get_logger().warning(shown(f'not everything can be played: {problem}'))
         self._topics: dict[str, Publisher[Any]] = {}
@@ -287,7 +289,7 @@ class ReplayNode(ManagedNode):
     def _status(self) -> Status:
         player = self._player
         values = {
-            'recording': player.path.absolute(),
+            'recording': self._path,
             'progress_percent': 100.0 * player.fraction,
             'messages': player.played,
             'pace': player.rate,

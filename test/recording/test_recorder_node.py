@@ -28,6 +28,7 @@ import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from recorder_process import BLOCK, on_disk, Source
+from recording_samples import write_blocks
 from rerun.chunk import RrdReader
 from rerun_bindings import check_for_rrd_footer
 from rosbags.rosbag2 import Reader
@@ -367,6 +368,26 @@ def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path:
     assert found == list(range(found[0], len(source.sent)))
     assert re.search(r'messages, [0-9.]+ MB, [1-9][0-9]* lost', log)
     assert 'messages were lost by the disk' in status.message
+
+
+def test_a_removed_working_directory_ends_no_node(
+    ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, replay = tmp_path / 'here', 'replay: replay'
+    here.mkdir()
+    write_blocks(here / 'run', 10)
+    monkeypatch.chdir(here)
+    with ForkedNodes(tmp_path / 'logs', os.environ) as nodes, Source() as source:
+        nodes.start('recorder', {'output': 'bag'})
+        nodes.start('replay', {'recording': 'run', 'start_paused': True})
+        for part in (RECORDING, replay):
+            source.wait_for(part)
+        monkeypatch.chdir(tmp_path)
+        shutil.rmtree(here)
+        for _ in range(2):
+            told = [source.publish_until_told(part) for part in (RECORDING, replay)]
+        assert (told[0]['output'], told[1]['recording']) == (str(here / 'bag'), str(here / 'run'))
+        assert nodes.running('recorder') and nodes.running('replay')
 
 
 def test_nothing_is_overwritten_and_unfinished_ones_are_offered(
