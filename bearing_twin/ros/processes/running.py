@@ -149,7 +149,8 @@ def _work(node: ManagedNode) -> None:
             f'the middleware has locked itself up ({threads}): the node hears nothing any more, '
             'ends with status 1 and must be started again'
         )
-        rclpy.try_shutdown()
+        # As a signal does. rclpy's own shutdown also destroys publishers, which would block.
+        os.kill(os.getpid(), signal.SIGTERM)
 
     watch(give_up)
     try:
