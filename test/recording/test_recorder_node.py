@@ -370,6 +370,28 @@ def test_removed_folder_is_said_and_recording_goes_on(ros_domain: int, tmp_path:
     assert 'messages were lost by the disk' in status.message
 
 
+def test_a_definition_that_cannot_be_read_costs_its_topic_only(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    overlay = tmp_path / 'overlay' / 'share' / 'std_msgs' / 'msg'
+    overlay.mkdir(parents=True)
+    # An empty constant, which rosidl takes and rosbags does not.
+    (overlay / 'Float64.msg').write_text('string NONE=\nfloat64 data\n')
+    prefixes = [str(tmp_path / 'overlay'), os.environ.get('AMENT_PREFIX_PATH', '')]
+    environment = os.environ | {'AMENT_PREFIX_PATH': os.pathsep.join(prefixes)}
+    with ForkedNodes(tmp_path / 'logs', environment) as nodes, Source() as source:
+        source.node.create_publisher(Float64, 'strange', 10)
+        nodes.start('recorder', {'output': str(tmp_path / 'bag')})
+        source.wait_for_recorder()
+        source.publish_until(
+            lambda: source.publish_until_told(RECORDING)['topics_left_out'] == '1'
+        )
+        assert 'cannot be read (TypesysError' in source.statuses[RECORDING].values['why_left_out']
+        source.settle()
+        assert nodes.end('recorder') == 0
+    assert numbers(tmp_path / 'bag') == list(range(len(source.sent)))
+
+
 def test_a_removed_working_directory_ends_no_node(
     ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -53,14 +53,28 @@ def message_schema(type_name: str) -> MessageSchema:
 
     The text comes from the ``.msg`` files of the installed packages, with comments. Without ROS it
     comes from the files of this project and, for common packages of ROS 2, from rosbags.
+
+    Raises
+    ------
+    BearingTwinError
+        If the type is not installed, or its definition cannot be read.
+
     """
     texts: dict[str, str] = {}
     store = Typestore()
-    _collect(type_name, texts, store)
+    try:
+        _collect(type_name, texts, store)
+        type_hash = store.hash_rihs01(type_name)
+    except BearingTwinError:
+        raise
+    except Exception as error:
+        # rosbags raises exceptions of many types, and it does not know all that ROS allows.
+        msg = f'the definition of {type_name} cannot be read ({type(error).__name__}: {error})'
+        raise BearingTwinError(msg) from None
     own = texts.pop(type_name)
     parts = [own, *(f'MSG: {name.replace("/msg/", "/")}\n{text}' for name, text in texts.items())]
     text = SEPARATOR.join(part if part.endswith('\n') else f'{part}\n' for part in parts)
-    return MessageSchema(type_name, text, store.hash_rihs01(type_name))
+    return MessageSchema(type_name, text, type_hash)
 
 
 @lru_cache(maxsize=256)
