@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+import shutil
 import time
 from typing import Any, TYPE_CHECKING
 
@@ -16,13 +18,14 @@ pytest.importorskip('rclpy')
 from bearing_twin.nodes.recorder import RecorderNode
 from bearing_twin.ros.topics import rawsubscriptions
 from bearing_twin.ros.topics.rawsubscriptions import TopicChoice
+from commands import python
+import geometry_msgs
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
 
     from rclpy.node import Node
 
@@ -193,6 +196,21 @@ def test_a_topic_that_is_remapped_away_is_left_out_and_told(
         rclpy.shutdown()
     found = [(m.topic, m.decode().data) for m in read_messages(bag) if 'level' in m.topic]
     assert found == [('/fan/level', float(k)) for k in range(SENT)]
+
+
+def test_messages_built_for_another_python_are_refused(tmp_path: Path) -> None:
+    built = Path(geometry_msgs.__file__).parent
+    shutil.copytree(built, tmp_path / 'geometry_msgs', ignore=shutil.ignore_patterns('*.so'))
+    ran = python(
+        '-c',
+        f"""import sys
+sys.path.insert(0, {str(tmp_path)!r})
+from bearing_twin.ros.topics.raw import message_class
+message_class('geometry_msgs/msg/Point')
+""",
+    )
+    assert 'BearingTwinError: message type geometry_msgs/msg/Point cannot be used' in ran.stderr
+    assert 'build geometry_msgs for this Python' in ran.stderr
 
 
 def test_what_waits_for_a_clock_is_bounded_by_memory(here: Maker, tmp_path: Path) -> None:

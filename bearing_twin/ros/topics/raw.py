@@ -14,6 +14,7 @@ from bearing_twin.ros.topics.qos import DEEPEST, profile
 from rclpy.exceptions import NameValidationException
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.type_support import check_for_type_support
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 if TYPE_CHECKING:
@@ -36,15 +37,22 @@ def check_topic_name(name: str, what: str) -> None:
 
 
 def message_class(type_name: str) -> Any:
-    """Return the Python class of ``pkg/msg/Type``."""
+    """Return the Python class of ``pkg/msg/Type``; raise BearingTwinError if it is of no use."""
     parts = type_name.split('/')
+    why, remedy = 'is not installed', 'source the workspace that has it'
     if len(parts) == 3 and parts[1] == 'msg' and all(part.isidentifier() for part in parts):
         try:
-            return getattr(importlib.import_module(f'{parts[0]}.msg'), parts[2])
-        except (ImportError, AttributeError):
+            found = getattr(importlib.import_module(f'{parts[0]}.msg'), parts[2])
+            check_for_type_support(found)
+        except (ModuleNotFoundError, AttributeError):
             pass
-    msg = f'message type {type_name} is not installed; source the workspace that has it'
-    raise BearingTwinError(msg)
+        except Exception as error:
+            # Importing a package that was built for another Python may raise anything.
+            why = f'cannot be used ({type(error).__name__}: {error})'
+            remedy = f'build {parts[0]} for this Python'
+        else:
+            return found
+    raise BearingTwinError(f'message type {type_name} {why}; {remedy}')
 
 
 def published_type(publishers: Sequence[TopicEndpointInfo]) -> str:
