@@ -425,13 +425,14 @@ class Analysis:
         bearing, speed, given_hz = self.excerpt.bearing, window.speed, self.shaft_hz
         turns = window.revolutions * len(windows)
         steps = max(stretch.extent.steps for stretch in self.excerpt.stretches)
-        passages = cache(partial(window.ball_passages, bearing))
 
         def evidence(spectra: OrderSpectra, speed: ShaftSpeed) -> Evidence:
             combs = CombSearch(spectra, bearing, speed)
             outer_hz = combs.expected.without_slip.bpfo * speed.shaft_hz
             plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
-            return Evidence(combs, turns, steps, window.kurtosis, plain, passages)
+            return Evidence(
+                combs, turns, steps, window.kurtosis, plain, lambda: window.ball_passages
+            )
 
         refined = evidence(accumulate(windows), speed)
         verdict = answer(refined)

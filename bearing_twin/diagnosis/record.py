@@ -260,7 +260,7 @@ def _with_other_shafts(
     if window is None:
         return found
     bin_hz, tolerance = 1.0 / window.seconds, excerpt.settings.speed_tolerance
-    for hertz in other_shafts_hz(window.low, bin_hz, _steady_hz(excerpt), tolerance):
+    for hertz in other_shafts_hz(window.low.power, bin_hz, _steady_hz(excerpt), tolerance):
         # The lines of the named fault can be mistaken for those of a shaft.
         own = found.level == 'fault' and abs(hertz - found.fault_hz) <= bin_hz
         if own or not analysis.may_show(hertz, _clearest(found)):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 import statistics
 from typing import TYPE_CHECKING
 
@@ -36,10 +37,34 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+@dataclass(frozen=True)
+class LowPassed:
+    """Low-passed signal of a window; at an exact speed nothing needs its spectrum."""
+
+    signal: OverlappingParts
+    equal_angles: NDArray[np.float64] | None = None
+    """Positions of equal shaft angles, points; None if the speed is steady."""
+
+    @cached_property
+    def power(self) -> NDArray[np.float32]:
+        """
+        Power spectrum, bin k at k over the length of the window in seconds.
+
+        >>> LowPassed(OverlappingParts([np.ones(8, np.float32)])).power.tolist()
+        [64.0, 0.0, 0.0, 0.0, 0.0]
+
+        """
+        joined = self.signal.joined()
+        if self.equal_angles is not None:
+            joined = resample(joined, self.equal_angles)
+        return line_powers(transform(joined))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Window:
     """Analysis of one window, before any decision."""
 
+    bearing: Bearing
     orders: OrderSpectra
     speed: ShaftSpeed
     bands: list[tuple[float, float]]
@@ -49,8 +74,7 @@ class Window:
     bin_hz: float
     severity: Severity
     seconds: float
-    low: NDArray[np.float32]
-    """Power spectrum of the low-passed signal, bin k at k / seconds."""
+    low: LowPassed
     segments: Sequence[Segment]
     """Segments of the window, oldest first."""
     lap: int
@@ -90,8 +114,9 @@ class Window:
         """Return the median kurtosis of the segments, single shocks limited."""
         return statistics.median_low(segment.kurtosis for segment in self.segments)
 
-    def ball_passages(self, bearing: Bearing) -> float:
-        """Return the significance of a ball's impacts in groups, in the narrow capped bands."""
+    @cached_property
+    def ball_passages(self) -> float:
+        """Significance of a ball's impacts in groups, in the narrow capped bands."""
         count = len(self.bands)
         first = count - (count + 1) // 2
         parts = [
@@ -107,7 +132,7 @@ class Window:
         joined = OverlappingParts(parts, self.lap).joined()
         if self.equal_angles is not None:
             joined = resample(joined, self.equal_angles)
-        return ball_passages(joined, self.revolutions, bearing)
+        return ball_passages(joined, self.revolutions, self.bearing)
 
     def index_by_power(self, order: float, band: tuple[float, float]) -> float:
         """Return the modulation index of a comb in a band, Hz, with segments weighted by power."""
@@ -189,16 +214,16 @@ def analyse_window(
     (50.0, 1.0)
     """
     lap, bands = layout.lap // layout.step, layout.tree.bands
-    slow = OverlappingParts([segment.slow for segment in segments], lap).joined()
+    slow = OverlappingParts([segment.slow for segment in segments], lap)
+    points = slow.shape[0]
     parts = zip(*(segment.envelopes for segment in segments), strict=True)
     envelopes = (OverlappingParts(part, lap) for part in parts)
     shaft_hz, at = speed_profile.mean_hz, None
     if speed_profile.varies:
-        at = speed_profile.equal_angles(len(slow)) / layout.step
-        slow = resample(slow, at)
+        at = speed_profile.equal_angles(points) / layout.step
         envelopes = (OverlappingParts([resample(part.joined(), at)]) for part in envelopes)
     rate = layout.sample_rate / layout.step
-    bin_hz = rate / len(slow)
+    bin_hz = rate / points
     spectra = envelope_spectra(
         envelopes,
         rate,
@@ -206,12 +231,15 @@ def analyse_window(
         max_hz=highest_order(bearing) * shaft_hz,
         floor_width=max(int(4.0 * shaft_hz / bin_hz), 32),
     )
-    power = line_powers(transform(slow))
+    low = LowPassed(slow, at)
+    speed = ShaftSpeed(shaft_hz)
+    if settings.speed_tolerance:
+        speed = refine_shaft_hz(low.power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
     power_sum = segments[0].lines.copy()
     for segment in segments[1:]:
         power_sum += segment.lines
-    speed = refine_shaft_hz(power, bin_hz, spectra, shaft_hz, settings.speed_tolerance)
     return Window(
+        bearing=bearing,
         orders=order_spectra(spectra, bands, speed.shaft_hz, shaft_hz),
         speed=speed,
         bands=bands,
@@ -226,7 +254,7 @@ def analyse_window(
             shaft_hz=shaft_hz,
         ),
         seconds=1.0 / bin_hz,
-        low=power,
+        low=low,
         segments=segments,
         lap=lap,
         equal_angles=at,

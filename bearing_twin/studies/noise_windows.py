@@ -142,7 +142,7 @@ def _judge(window: NoiseWindow) -> tuple[Diagnosis, Reached] | None:
             for c in candidates.values()
             if c.place != 'cage' and Z_SECOND_LOOK <= c.z < Z_FAULT
         ),
-        found.ball_passages(window.bearing),
+        found.ball_passages,
     )
 
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each stage of the chain alone, against closed forms and independent implementations."""
 
+from dataclasses import replace
 import math
 import time
 
@@ -274,6 +275,18 @@ def test_shaft_speed_is_found_and_fault_lines_do_not_lead_it_astray(rng):
     # A fault comb at 4.95 orders is no shaft at 0.99 of the speed.
     _, envelopes, power, bin_hz = _orders(_train(rng, 4.95, 25.0, 4.0), 25.0)
     assert refine_shaft_hz(power, bin_hz, envelopes, 25.0, 0.02).shaft_hz == 25.0
+
+
+@pytest.mark.parametrize('order', [4.0, 4.95, 5.0])
+def test_at_an_exact_speed_the_answer_does_not_depend_on_the_lines_of_the_shaft(rng, order):
+    known = RATE, find_bearing('6205'), DiagnosisSettings(speed_tolerance=0.0)
+    analysis = Excerpt.of(_train(rng, order, 25.0, 8.0), 25.0, *known).analyse()
+    window = analysis.window
+    assert window.speed.shaft_hz == 25.0
+    clear = replace(window, speed=window.speed._replace(score=20.0, spread=0.0))
+    one, other = (replace(analysis, window=each).conclude(()) for each in (window, clear))
+    assert (one.result, one.score, one.trust) == (other.result, other.score, other.trust)
+    assert (one.reasons, one.confidence) == (other.reasons, other.confidence)
 
 
 def test_angular_resampling_turns_a_sweep_into_a_line():

@@ -37,15 +37,15 @@ _OTHERS = 2
 
 
 class ShaftSpeed(NamedTuple):
-    """Refined shaft speed and its uncertainty."""
+    """Shaft speed and its uncertainty: exact, or refined by :func:`refine_shaft_hz`."""
 
     shaft_hz: float
-    uncertainty: float
+    uncertainty: float = 0.0
     """Relative uncertainty."""
-    score: float
-    """Score of its harmonics: standard deviations over combs beside it."""
-    tolerance: float
-    """Relative tolerance of the given speed."""
+    score: float = 0.0
+    """Score of its harmonics: standard deviations over combs beside it; 0 if not looked for."""
+    tolerance: float = 0.0
+    """Relative tolerance of the given speed; 0: it is exact."""
     spread: float = math.inf
     """Relative distance of the farthest speed within the tolerance with 2/3 of the score."""
 
@@ -81,7 +81,7 @@ def refine_shaft_hz(
     given_hz
         Given speed, Hz.
     tolerance
-        Relative tolerance of the given speed, e.g. 0.02; 0 for an exact speed.
+        Relative tolerance of the given speed, e.g. 0.02; above 0.
 
     Returns
     -------
@@ -94,12 +94,10 @@ def refine_shaft_hz(
     >>> envelopes = EnvelopeSpectra(0.25, flat, flat[:, :2], flat.T, flat.T, 0.0, 1)
     >>> round(refine_shaft_hz(power, 0.25, envelopes, 25.0, 0.02).shaft_hz, 1)
     25.2
-    >>> refine_shaft_hz(power, 0.25, envelopes, 25.0, 0.0).shaft_hz
-    25.0
 
     """
     step = bin_hz / (2.0 * _HARMONICS)
-    reach = max(tolerance * given_hz, step) if tolerance else 0.0
+    reach = max(tolerance * given_hz, step)
     near = given_hz + np.arange(-int(reach / step), int(reach / step) + 1) * step
     beside = given_hz * _BESIDE
     last = min(int(np.ceil(8.0 * given_hz / bin_hz)), len(power) - 1, len(envelopes.logs))
