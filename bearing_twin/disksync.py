@@ -71,9 +71,15 @@ class DiskSync:
         job = Job[T](self)
         with self._lock:
             self._jobs.append(functools.partial(job.do, work))
-            if len(self._jobs) == 1:
+            idle = len(self._jobs) == 1
+            if idle:
                 self._began = time.monotonic()
+        if idle:
+            try:
                 threading.Thread(target=self._work, name='fsync', daemon=True).start()
+            except RuntimeError:
+                # The system has no further thread: wait for the disk.
+                self._work()
         return job
 
     def settle(self) -> bool:

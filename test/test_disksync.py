@@ -64,3 +64,17 @@ def test_what_work_raises_is_raised_for_who_waits(capsys: pytest.CaptureFixture[
     # Perhaps nobody waits.
     assert 'ZeroDivisionError' in capsys.readouterr().err
     assert disk.do(lambda: 7).wait() == 7
+
+
+def test_without_a_further_thread_the_work_is_done_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(_: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    disk = DiskSync()
+    with monkeypatch.context() as patched:
+        patched.setattr(threading.Thread, 'start', refuse)
+        assert disk.do(threading.get_ident).wait() == threading.get_ident()
+        assert not disk.busy
+    assert disk.do(threading.get_ident).wait() != threading.get_ident()
