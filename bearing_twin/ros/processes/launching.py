@@ -78,11 +78,15 @@ def parameter_words(parameters: Mapping[str, object]) -> list[str]:
 
 
 class NodeProcesses:
-    """Nodes of this package as processes; leaving the context ends all that it started."""
+    """
+    Nodes of this package as processes; leaving the context ends all that it started.
+
+    They also end if this process is killed (Linux).
+    """
 
     def __init__(self, logs: Path, environment: Mapping[str, str]) -> None:
         self._logs = logs
-        self._environment = dict(environment)
+        self._environment = {**environment, PARENT: str(os.getpid())}
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
 
     def __enter__(self) -> NodeProcesses:
