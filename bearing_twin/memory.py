@@ -1,11 +1,14 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of a process: freed memory is kept, and garbage is not looked for while it loads."""
+"""Settings of a process: memory that it keeps, search for garbage, its end with its parent."""
 
 from __future__ import annotations
 
 import ctypes
 import gc
+import os
+import threading
+import time
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # malloc.h of glibc
 LARGEST = 32 * 1024 * 1024
@@ -52,3 +55,26 @@ def begin_collection() -> None:
     if not gc.isenabled():
         gc.freeze()
         gc.enable()
+
+
+def end_with_parent(parent: int = 0) -> None:
+    """
+    Let this process end, even in the middle of a task, when its parent has ended or was killed.
+
+    The processes of a pool of the standard library would wait for tasks forever: each of them
+    holds the pipe open through which they come.
+
+    Parameters
+    ----------
+    parent
+        Process id of the parent; 0: the present one.
+
+    """
+    parent = parent or os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

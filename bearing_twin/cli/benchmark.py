@@ -32,6 +32,7 @@ from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.compilation import warm_up
 from bearing_twin.diagnosis.rules.confidence import KINDS
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.memory import end_with_parent
 from bearing_twin.recording.signals.dataset import (
     dataset_bearing,
     dataset_signals,
@@ -334,7 +335,8 @@ def run(args: argparse.Namespace) -> int:
         refuse_given(args, ('json', 'full'), 'not with --misled, which has one table')
     # Compiled or loaded once, where it is reported; else each process would do it again.
     warm_up()
-    with ProcessPoolExecutor(processes(args.jobs, len(cases))) as pool:
+    jobs = processes(args.jobs, len(cases))
+    with ProcessPoolExecutor(jobs, initializer=end_with_parent) as pool:
         if args.misled:
             judged: list[Judged] = []
             for done, of_record in enumerate(pool.map(score_misled, cases), start=1):

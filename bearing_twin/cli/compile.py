@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.diagnosis import compilation as diagnosis
 from bearing_twin.dynamics import compilation as dynamics
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.memory import end_with_parent
 from bearing_twin.numerics.compiled import (
     cache_folder,
     has_compiled,
@@ -41,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     if others and not args.json:
         print(f'the code in {folder} is for another processor ({others})', flush=True)
     # Beside each other, as nothing of the diagnosis calls the dynamics.
-    with ProcessPoolExecutor(1) as pool:
+    with ProcessPoolExecutor(1, initializer=end_with_parent) as pool:
         beside = pool.submit(_compile_diagnosis)
         dynamics.warm_up(fleet=True)
         try:

@@ -17,6 +17,7 @@ from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics import preset, Simulator, warm_up
 from bearing_twin.dynamics.equations import coefficients
 from bearing_twin.dynamics.trend import impact_amplitude
+from bearing_twin.memory import end_with_parent
 from bearing_twin.paper import settings
 import numpy as np
 import numpy.typing as npt
@@ -185,12 +186,15 @@ def in_parallel(work: Callable[[S], R], items: Sequence[S], *, processes: int) -
     # Compiled once here; the workers find it in numba's cache.
     warm_up()
     context = multiprocessing.get_context('spawn')
-    pool = ProcessPoolExecutor(
-        processes, mp_context=context, initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    )  # fmt: skip
+    pool = ProcessPoolExecutor(processes, mp_context=context, initializer=_begin_process)
     try:
         return list(bar(pool.map(work, items)))
     finally:
         # After an interrupt or a failed run, the remaining simulations are cancelled.
         pool.shutdown(cancel_futures=True)
+
+
+def _begin_process() -> None:
+    """Leave Ctrl-C to the parent, and end with it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()

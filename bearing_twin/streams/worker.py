@@ -10,9 +10,10 @@ from multiprocessing import get_context
 import os
 import signal
 import threading
-import time
 import traceback
 from typing import Any, Generic, TYPE_CHECKING, TypeVar
+
+from bearing_twin.memory import end_with_parent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -112,7 +113,7 @@ def _serve(pipe: Connection, owner: int, work: Callable[[Any], Any], niceness: i
     os.nice(niceness)
     # The owner handles Ctrl-C.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(owner,), daemon=True).start()
+    end_with_parent(owner)
     # The pipe is closed when the owner has ended.
     with contextlib.suppress(EOFError, BrokenPipeError):
         while True:
@@ -133,10 +134,3 @@ def _answer(pipe: Connection, work: Callable[[Any], Any], task: Any) -> None:
         # When pickling fails, nothing has been sent yet.
         unsent = TypeError(f'{done[1] or done[0]!r:.200} cannot be sent: {error}')
         pipe.send((None, unsent, done[2]))
-
-
-def _end_with(owner: int) -> None:
-    """End this process, even in the middle of a task, after its owner was killed."""
-    while os.getppid() == owner:
-        time.sleep(1.0)
-    os._exit(1)

@@ -14,6 +14,7 @@ from bearing_twin.bearing import catalogue
 from bearing_twin.cli import main
 from bearing_twin.cli.diagnose import file
 from commands import json_lines, python
+import psutil
 import pytest
 
 
@@ -107,6 +108,21 @@ def test_an_end_in_between_diagnoses_no_further_file(leaves, good, tmp_path):
             assert process.wait(60.0) == 130
         # Each of the others would take 20 ms of a core and more.
         assert time.monotonic() - began < 5.0
+
+
+def test_a_killed_diagnosis_leaves_no_process(good):
+    words = ['diagnose', *[str(good)] * 2000, '--bearing', '6307', '--shaft-hz', '25.4']
+    command = [sys.executable, '-m', 'bearing_twin', *words, '--json', '--jobs', '2']
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        process.stdout.readline()
+        others = psutil.Process(process.pid).children()
+        assert len(others) == 2
+        process.kill()
+    end = time.monotonic() + 30.0
+    # Where nobody takes the status of orphans, it stays as a zombie.
+    while any(other.is_running() and other.status() != psutil.STATUS_ZOMBIE for other in others):
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 @pytest.mark.parametrize('command', ['diagnose', 'benchmark'])

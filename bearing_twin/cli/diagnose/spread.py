@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.cli.arguments import processes
 from bearing_twin.cli.signal_arguments import unread
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.memory import keep_freed_memory
+from bearing_twin.memory import end_with_parent, keep_freed_memory
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -52,7 +52,7 @@ def _on_cores(diagnose: _Diagnose, tasks: Sequence[Task], jobs: int) -> Iterator
 
     # Compiled or loaded once, where it is reported; else each process would do it again.
     warm_up()
-    pool = ProcessPoolExecutor(jobs)
+    pool = ProcessPoolExecutor(jobs, initializer=end_with_parent)
     try:
         futures = [pool.submit(diagnose, task) for task in tasks]
         for task, future in zip(tasks, futures, strict=True):
@@ -65,7 +65,7 @@ def _on_cores(diagnose: _Diagnose, tasks: Sequence[Task], jobs: int) -> Iterator
 
 
 def _alone(diagnose: _Diagnose, task: Task) -> dict[str, Any]:
-    with ProcessPoolExecutor(1) as pool:
+    with ProcessPoolExecutor(1, initializer=end_with_parent) as pool:
         try:
             return pool.submit(diagnose, task).result()
         except BrokenProcessPool:
