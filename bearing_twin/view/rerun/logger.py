@@ -37,8 +37,9 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.outlet import Mark
 
 
-SETTLED = NANO
-"""New topics are laid out when no other has appeared for this long, ns."""
+SETTLED, SETTLED_FILE = NANO, 10 * NANO
+"""New topics are laid out for viewers, and in a file, when no other appeared for this long, ns.
+With many layouts of a fleet in a file, a viewer needs minutes to show the last one."""
 TICK = 3 * NANO // 10
 """Period of flushes, ns; with the 0.2 s that Rerun waits, live views lag half a second."""
 SLOW = 3
@@ -127,8 +128,7 @@ class RerunLogger:
             sink = rr.GrpcServerSink(bracketed(address), port, server_memory_limit=memory_limit)
             self._served = ServedOutlet(Outlet(recording_id, sink, place=f'port {port}'))
         self._full, self._page = full_samples, page
-        # With many layouts of a fleet in a file, the viewer needs minutes to show the last one.
-        self._settles = serve is not None or not footer
+        self._live_file = not footer
         self._scales = scales or Scales()
         self._timebases = {'': Timebase(timeline)}
         if sides:
@@ -141,7 +141,8 @@ class RerunLogger:
         self._scenes: dict[tuple[str, str], Scene] = {}
         self._native_lines: set[str] = set()
         self._native_tables: set[str] = set()
-        self._views = self._laid_out = 0
+        self._views = 0
+        self._laid_out: dict[Outlet | ServedOutlet, int] = {}
         self._appeared = self._flushed = self._ticks = 0
 
     @property
@@ -164,7 +165,7 @@ class RerunLogger:
         try:
             namespace, name = namespace_of(topic)
             self._scene(side, namespace).draw(name, type_name, message, time_ns)
-            if due and self._settles:
+            if due:
                 self._settle(time_ns)
         except Exception as error:
             # The message may come from anywhere: a drawing error must not stop the calling node.
@@ -215,7 +216,8 @@ class RerunLogger:
             return
         self._closed = True
         self._flush(slow=True, last=True)
-        self._lay_out()
+        self._lay_out(self._file)
+        self._lay_out(self._served)
         for (side, namespace), scene in self._scenes.items():
             if text := scene.asset.source.whole:
                 name = ' '.join(filter(None, ('vibration', side, namespace.strip('/'))))
@@ -267,14 +269,19 @@ class RerunLogger:
         """Lay out new topics when no other has followed for a while."""
         if self._views != (views := self._count_views()):
             self._views, self._appeared = views, time_ns
-        elif views != self._laid_out and time_ns - self._appeared > SETTLED:
-            self._lay_out()
-
-    def _lay_out(self) -> None:
-        views = self._count_views()
-        if views == self._laid_out:
             return
-        self._laid_out = views
+        quiet = time_ns - self._appeared
+        if quiet > SETTLED:
+            self._lay_out(self._served)
+        if quiet > SETTLED_FILE and self._live_file:
+            self._lay_out(self._file)
+
+    def _lay_out(self, outlet: Outlet | ServedOutlet | None) -> None:
+        """Send the layout to an outlet that does not have it."""
+        views = self._count_views()
+        if outlet is None or views == self._laid_out.get(outlet, 0):
+            return
+        self._laid_out[outlet] = views
         base = next(iter(self._timebases.values()))
         beside = len(self._timebases) > 1
         # Live they are known in the order in which they are heard.
@@ -291,7 +298,14 @@ class RerunLogger:
             )
         )
         self.pages = pages_of(blueprint)
-        self._emit(lambda recording: recording.send_blueprint(blueprint), lasting=True)
+
+        def mark(recording: rr.RecordingStream) -> None:
+            recording.send_blueprint(blueprint)
+
+        if isinstance(outlet, ServedOutlet):
+            outlet.put(mark, lasting=True)
+        else:
+            outlet.put(mark)
 
     def _emit(self, mark: Mark, *, lasting: bool = False) -> None:
         if self._served is not None:
