@@ -255,6 +255,38 @@ def test_a_verdict_without_vibration_is_not_shown_as_that_of_now(
     assert len(grounds) == (1 if alarm else 2)
 
 
+@pytest.mark.parametrize('period', [1, 10])
+def test_a_node_that_is_killed_leaves_no_verdict_of_now(recording, tmp_path, period):
+    """It cannot say that its verdict is old; ``period`` in s between its statuses."""
+    rrd, [*_, last] = tmp_path / 'killed.rrd', read_messages(recording, topics=['/diagnosis'])
+    verdict, begin = last.decode(), last.log_time
+    verdict.level, ended = 0, 20
+
+    def say(name, time):
+        told = SimpleNamespace(status=[SimpleNamespace(name=name, level=0, message='')])
+        logger.log('/diagnostics', 'diagnostic_msgs/msg/DiagnosticArray', told, time)
+
+    with RerunLogger(recording_id='killed', rrd=rrd) as logger:
+        logger.log(last.topic, last.type_name, verdict, begin)
+        for second in range(1, 60):
+            time = begin + second * SECOND
+            if second <= ended and second % period == 0:
+                say('diagnosis: bearing', time)
+            say('recorder: recording', time)
+            # Other nodes are as they were.
+            say('twin: real time', time)
+    assert logger.problems == {}
+    times, states = columns(rrd, '/diagnostics/diagnosis_bearing', 'state')
+    silent = next(t for t, state in zip(times, states, strict=True) if state == ['stale'])
+    assert silent == begin + (ended + max(5, 3 * period) + 1) * SECOND
+    _, cards = columns(rrd, '/diagnosis/card', 'blob')
+    assert cards[0] != cards[1]
+    _, words = columns(rrd, '/diagnosis/words', 'text')
+    assert 'diagnosis is silent' in words[1][0]
+    _, others = columns(rrd, '/diagnostics/twin_real_time', 'state')
+    assert {tuple(state) for state in others} == {('ok',)}
+
+
 @pytest.mark.parametrize(
     'sensors', [('vibration', 'nde'), ('nde', 'vibration'), ('nde', 'twin', 'vibration')]
 )

@@ -81,6 +81,7 @@ class Scene:
             self._pictures[name, type_name] = picture
             if isinstance(picture, Waveform):
                 self._tell_apart(picture, name)
+        self.asset.received = received
         if picture.draw(message, self._timebase.of(message, received)):
             self.contents.setdefault(name, picture.kind)
 

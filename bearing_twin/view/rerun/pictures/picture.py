@@ -49,6 +49,8 @@ class Asset:
     """Whether a TwinState has arrived."""
     diagnosis: Any = None
     """Latest Diagnosis message."""
+    received: int = 0
+    """Arrival of the message that is being drawn, ns."""
     judged: int = 0
     """Time at which the latest diagnosis is drawn, ns."""
     sources: defaultdict[str, Source] = field(default_factory=lambda: defaultdict(Source))
