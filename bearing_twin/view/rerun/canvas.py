@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import io
 from typing import Any, TYPE_CHECKING, TypeVar
 
+from bearing_twin.stamps import NANO
 import numpy as np
 import rerun as rr
 from rerun.chunk import Chunk
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 
 
 _T = TypeVar('_T', bound=np.generic)
+
+PAUSE = NANO
+"""Longest step that never parts a line, ns."""
 
 
 def png(image: Image.Image, colours: int) -> rr.EncodedImage:
@@ -65,6 +69,7 @@ class Canvas:
     timebase: Timebase
     _known: set[str] = field(default_factory=set)
     _lines: dict[str, _Held] = field(default_factory=dict)
+    _ends: dict[str, tuple[int, int]] = field(default_factory=dict)
     _chunks: list[Chunk] = field(default_factory=list)
 
     def path(self, name: str) -> str:
@@ -103,12 +108,14 @@ class Canvas:
         colour: Colour,
         width: float = 1.5,
         slow: bool = False,
+        parted: bool = False,
     ) -> None:
         """
         Hold samples of a time series for the next flush.
 
         Times are in ns, values of shape (n,), or (n, k) for k lines with k labels. ``slow`` lines
-        are sent by slow flushes only.
+        are sent by slow flushes only. ``parted`` lines end and begin anew where a step is longer
+        than a second and three times the one before.
         """
         if self.is_new(name):
             labels = [label] if isinstance(label, str) else list(label)
@@ -127,8 +134,24 @@ class Canvas:
         held = self._lines.get(name)
         if held is None:
             held = self._lines[name] = _Held(slow)
+        if parted and times.size:
+            times, values = self._parted(name, times, values)
         held.times.append(times)
         held.values.append(values)
+
+    def _parted(
+        self, name: str, times: NDArray[np.int64], values: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return samples of a line with a NaN, which Rerun does not draw, in each pause."""
+        end, step = self._ends.get(name, (int(times[0]), PAUSE))
+        before = np.concatenate([[end], times[:-1]])
+        steps = times - before
+        self._ends[name] = int(times[-1]), int(steps[-1])
+        usual = np.concatenate([[step], steps[:-1]])
+        after = np.flatnonzero((steps > PAUSE) & (steps > 3 * usual))
+        if not after.size:
+            return times, values
+        return np.insert(times, after, before[after] + 1), np.insert(values, after, np.nan, axis=0)
 
     def flush(self, *, slow: bool) -> None:
         """Send what is held, with ``slow`` the slow lines too."""

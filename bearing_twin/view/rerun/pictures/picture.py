@@ -143,6 +143,7 @@ class Trends:
                         label=trend.label,
                         colour=trend.colour,
                         slow=True,
+                        parted=True,
                     )
             if drawn:
                 self._asset.panels.add(panel.key)

@@ -171,6 +171,7 @@ class Waveform(Picture):
             label=f'{place} [{pretty(piece.unit)}]',
             colour=LINE[colour],
             width=1.0,
+            parted=True,
         )
         self._hold('samples', samples, piece)
 
@@ -185,6 +186,7 @@ class Waveform(Picture):
             colour=LINE[colour],
             width=1.0,
             slow=True,
+            parted=True,
         )
         self._hold('envelope', samples, piece, slow=True)
 
