@@ -575,6 +575,19 @@ def test_a_gap_is_as_long_in_the_spectrogram_as_it_was(gap):
     assert drawn.tolist() == [k for k in steps if k >= 0] + list(range(COLUMNS - 50, COLUMNS))
 
 
+def test_snapshots_shorter_than_a_step_are_in_the_spectrogram():
+    rate, sent = 25600.0, []
+    canvas = Canvas(lambda mark, **_: sent.append(mark), '', Timebase())
+    picture = Spectrogram(canvas, 'spectrogram')
+    for k in range(4):
+        samples = np.random.default_rng(k).standard_normal(round(0.1 * rate))
+        picture.add(samples, SECOND + 10 * k * SECOND, rate, 'm/s^2')
+        canvas.flush(slow=True)
+        # Each of them is shown at once.
+        assert len(sent) == k + 1
+    assert np.flatnonzero(np.isfinite(picture.levels[0])).tolist() == [150, 200, 250]
+
+
 @pytest.mark.parametrize('size', [1, 200])
 def test_a_vector_is_what_rerun_makes_of_it(size):
     values = np.random.default_rng(2).standard_normal(size).astype(np.float32)

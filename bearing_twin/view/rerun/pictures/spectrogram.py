@@ -58,30 +58,38 @@ class Spectrogram:
             self.levels[:] = -np.inf
         size = max(2 * ROWS, round(COLUMN_SECONDS * rate))
         if self._end and time - self._end >= GAP:
+            pause = time - self._end + samples_ns(self._pending.size, rate)
+            begun = self._begun
+            blank = round(pause / samples_ns(size, rate)) - begun.shape[1]
+            self._append(begun, np.full((ROWS, max(0, min(COLUMNS, blank))), -np.inf))
             self._pending = np.empty(0)
-            blank = min(COLUMNS, round((time - self._end) / samples_ns(size, rate)))
-            self._append(np.full((ROWS, blank), -np.inf))
         self._end = time + samples_ns(samples.size, rate)
         waiting = np.concatenate([self._pending, samples])
         whole, self._pending = np.split(waiting, [waiting.size // size * size])
-        if not whole.size:
-            return
-        columns = [_column(part) for part in whole.reshape(-1, size)]
-        self._append(np.stack(columns, axis=1))
-        self._new += len(columns)
+        self._append(*(_column(part)[:, None] for part in whole.reshape(-1, size)))
         if self._new >= DRAW_EVERY:
             self._new = 0
             self._draw(time, rate, unit, COLUMNS * size / rate)
 
-    def _append(self, columns: NDArray[np.float64]) -> None:
-        self.levels = np.hstack([self.levels, columns])[:, -COLUMNS:]
+    def _append(self, *columns: NDArray[np.float64]) -> None:
+        if columns:
+            self.levels = np.hstack([self.levels, *columns])
+            self._new += self.levels.shape[1] - COLUMNS
+            self.levels = self.levels[:, -COLUMNS:]
+
+    @property
+    def _begun(self) -> NDArray[np.float64]:
+        """The step that is not full yet, as a column; none if it is too short for a spectrum."""
+        enough = self._pending.size >= 2 * ROWS
+        return _column(self._pending)[:, None] if enough else np.empty((ROWS, 0))
 
     def _draw(self, time: int, rate: float, unit: str, seconds: float) -> None:
-        finite = self.levels[np.isfinite(self.levels)]
+        levels = np.hstack([self.levels, self._begun])[:, -COLUMNS:]
+        finite = levels[np.isfinite(levels)]
         if not finite.size:
             return
         self._top = max(self._top, 10.0 * float(np.ceil(finite.max() / 10.0)))
-        scaled = np.clip((self.levels - self._top) / RANGE_DB + 1.0, 0.0, 1.0)
+        scaled = np.clip((levels - self._top) / RANGE_DB + 1.0, 0.0, 1.0)
         picture = np.rint(np.nan_to_num(scaled) * 255.0).astype(np.uint8)
         self._canvas.put(
             self._name,
