@@ -360,14 +360,14 @@ class Headline:
 
     @property
     def span(self) -> str:
-        """Windows and times of the worst verdict, and the state at the end."""
+        """Windows and times of the worst verdict, and the state in the last window."""
         worst = self.worst
         unit, length = time_unit(worst.last)
         digits = 0 if unit == 's' else 1
         first, last = (f'{at / length:.{digits}f} {unit}' for at in (worst.first, worst.last))
         text = f'{worst.windows} of {self.count} windows, from {first} to {last}'
         end = self.ending
-        return f'{text}; at the end: {end}' if end else f'{text}; the same at the end'
+        return f'{text}; in the last: {end}' if end else f'{text}; the same in the last'
 
 
 def urgency(diagnosis: Any) -> tuple[int, int]:

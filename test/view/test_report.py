@@ -289,6 +289,18 @@ def test_nothing_is_drawn_over_a_pause(recording):
     assert all(np.isnan(line.get_ydata()).sum() == 1 for line in lines)
 
 
+@pytest.mark.parametrize('killed', [False, True])
+def test_what_nobody_judged_any_more_is_said(recording, tmp_path, killed):
+    """A diagnosis that ended before the vibration."""
+    begin = next(iter(read_messages(recording))).log_time
+    path = tmp_path / 'killed'
+    with RecordingWriter(path) as writer:
+        for m in read_messages(recording):
+            if not (killed and m.topic == '/diagnosis' and m.log_time > begin + 20e9):
+                put(writer, m, m.topic)
+    assert bool(re.search(r'No verdict on the last [12]\d s\.', report_page(path))) == killed
+
+
 @pytest.mark.parametrize('missing', [0, 40])
 def test_snapshots_are_joined_as_a_stream_is(recording, missing):
     """A pause is what is long beside the others, not the minute from each snapshot to the next."""

@@ -66,7 +66,7 @@ def test_a_fault_before_the_stop_is_the_headline():
     found = headline(*['inner'] * 24, *stopped)
     assert found.worst.best.result_name == 'inner'
     assert found.span == (
-        '24 of 34 windows, from 1 s to 24 s; at the end: insufficient, shaft standing'
+        '24 of 34 windows, from 1 s to 24 s; in the last: insufficient, shaft standing'
     )
 
 
@@ -74,8 +74,8 @@ def test_a_fault_that_is_held_over_a_stop_says_so():
     held = verdict('inner', shaft=0.0)
     held.level, held.window_level, held.shaft_hz = 2, 3, math.nan
     found = headline(*['inner'] * 24, *[held] * 10)
-    assert found.span == '34 of 34 windows, from 1 s to 34 s; at the end: held, shaft standing'
-    assert headline(*['inner'] * 24).span.endswith('; the same at the end')
+    assert found.span == '34 of 34 windows, from 1 s to 34 s; in the last: held, shaft standing'
+    assert headline(*['inner'] * 24).span.endswith('; the same in the last')
 
 
 @pytest.mark.parametrize(
@@ -85,25 +85,25 @@ def test_a_fault_that_is_held_over_windows_without_it_says_so(result, level, nam
     held = verdict('inner')
     held.level, held.window_level, held.window_result = 2, level, result
     found = headline(*['inner'] * 24, *[held] * 10)
-    assert found.span.endswith(f'from 1 s to 34 s; at the end: held, newest window {name}')
+    assert found.span.endswith(f'from 1 s to 34 s; in the last: held, newest window {name}')
     worse = headline(*['outer'] * 40, *[held] * 10)
-    assert worse.span.endswith('from 1 s to 40 s; at the end: inner race fault, held')
+    assert worse.span.endswith('from 1 s to 40 s; in the last: inner race fault, held')
 
 
 def test_an_insufficient_verdict_that_is_held_over_healthy_windows_says_so():
     held = verdict('insufficient')
     held.level, held.window_level, held.window_result = 3, 0, 0
     found = headline(*['insufficient'] * 24, *[held] * 10)
-    assert found.span.endswith('at the end: held, newest window healthy')
+    assert found.span.endswith('in the last: held, newest window healthy')
 
 
 def test_long_spans_are_told_in_minutes_and_hours():
     found = Headline()
     for at in (3600.0, 5400.0, 9000.0):
         found.take(at, verdict('outer'))
-    assert found.span == '3 of 3 windows, from 60.0 min to 150.0 min; the same at the end'
+    assert found.span == '3 of 3 windows, from 60.0 min to 150.0 min; the same in the last'
     found.take(86400.0, verdict('outer'))
-    assert found.span == '4 of 4 windows, from 1.0 h to 24.0 h; the same at the end'
+    assert found.span == '4 of 4 windows, from 1.0 h to 24.0 h; the same in the last'
 
 
 def test_a_passing_verdict_is_no_headline():
@@ -237,7 +237,7 @@ def test_the_headline_is_of_the_latest_stage():
 def test_an_early_judgement_is_not_lost_behind_healthy_windows(result):
     found = headline(*[before_full(result)] * 5, before_full('healthy'), *['healthy'] * 4)
     assert found.worst.best.result_name == result
-    assert found.span == '5 of 10 windows, from 1 s to 5 s; at the end: healthy'
+    assert found.span == '5 of 10 windows, from 1 s to 5 s; in the last: healthy'
     full = headline(*[before_full(result, confidence=0.99)] * 7, *[result] * 3, *['healthy'] * 3)
     assert full.worst.best.result_name == result
 

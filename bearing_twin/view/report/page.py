@@ -18,7 +18,12 @@ from bearing_twin.stamps import NANO, time_unit
 from bearing_twin.view.report.appendix import appendix
 from bearing_twin.view.report.data import collect
 from bearing_twin.view.report.html import CSS, table
-from bearing_twin.view.report.plots import appended_figures, figures, verdicts_over_time
+from bearing_twin.view.report.plots import (
+    appended_figures,
+    figures,
+    pauses,
+    verdicts_over_time,
+)
 from bearing_twin.view.report.svg import hex_colour
 from bearing_twin.view.source import bearing_in_words
 from bearing_twin.view.style import FAMILIES, ink, verdict_state
@@ -32,6 +37,7 @@ from bearing_twin.view.verdict import (
     title_of,
     urgency,
 )
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -183,11 +189,21 @@ def _no_verdict(machine: Machine) -> str:
     )
 
 
+def _unjudged(machine: Machine) -> str:
+    """Return in words how long there was no more verdict; '' if there was until the end."""
+    times = np.array([*(time for time, _ in machine.diagnoses), machine.end])
+    if times.size - 2 not in pauses(times):
+        return ''
+    seconds = float(times[-1] - times[-2])
+    unit, length = time_unit(seconds)
+    return f' No verdict on the last {seconds / length:.{0 if unit == "s" else 1}f} {unit}.'
+
+
 def _banner(machine: Machine, worst: Any) -> str:
     found = dict(facts(worst)).get('Found', '')
     lines = [
         *([f'Found {escape(found)}.'] if found else []),
-        f'In {escape(machine.headline.span)}.',
+        f'In {escape(machine.headline.span)}.{_unjudged(machine)}',
         f'Vibration {escape(machine.source.whole or "not recorded")}.',
         *([f'Beyond the bearing: {escape(machine.unexplained)}.'] if machine.unexplained else []),
         f'Next step: {escape(next_step(worst))}',

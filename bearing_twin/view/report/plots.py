@@ -177,12 +177,10 @@ def _patches(axes: Axes, machine: Machine, letter: float, row: int = 0) -> dict[
     times = _times(machine.diagnoses)
     # A verdict holds until the next, the last one until the recording ends; but not over a pause.
     ends = np.append(times[1:], machine.end)
-    pauses = _pauses(np.append(times, machine.end))
-    ends[pauses] = times[pauses] + np.median(np.diff(times)) if times.size > 1 else machine.end
+    last = pauses(np.append(times, machine.end))
+    ends[last] = times[last] + np.median(np.diff(times)) if times.size > 1 else machine.end
     names = [str(message.result_name) for _, message in machine.diagnoses]
-    changes = [
-        k for k in range(len(names)) if k == 0 or names[k] != names[k - 1] or k - 1 in pauses
-    ]
+    changes = [k for k in range(len(names)) if k == 0 or names[k] != names[k - 1] or k - 1 in last]
     seen: dict[str, Rectangle] = {}
     for first, after in zip(changes, [*changes[1:], len(names)], strict=True):
         ground = verdict_state(names[first]).colour
@@ -250,7 +248,7 @@ def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     return thinned
 
 
-def _pauses(times: NDArray[np.float64]) -> NDArray[np.intp]:
+def pauses(times: NDArray[np.float64]) -> NDArray[np.intp]:
     """Return the indices of the times after which nothing is for so long that it is seen."""
     steps = np.diff(times)
     if not steps.size:
@@ -260,7 +258,7 @@ def _pauses(times: NDArray[np.float64]) -> NDArray[np.intp]:
 
 def _parted(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return columns of (time, values...) with NaN for values in pauses, which parts the lines."""
-    after = _pauses(rows[0]) + 1
+    after = pauses(rows[0]) + 1
     parted: NDArray[np.float64] = np.insert(rows, after, math.nan, axis=1)
     parted[0] = np.insert(rows[0], after, rows[0, after])
     return parted
