@@ -101,15 +101,15 @@ class VerdictPicture(Picture):
     def finish(self) -> None:
         """Show the worst sustained verdict if the recording ends with another one or without."""
         end, time = self._headline.ending, self.asset.judged
-        verdict, span = self._headline.last, ''
+        verdict, span, late = self._headline.last, '', ''
         if end:
             verdict, span = self._headline.worst.best, f' in {self._headline.span}'
         if self._lapsed is not None:
             why, time = self._lapsed
-            end = end or _lack(why)
+            end, late = end or _lack(why), f' **Not up to date:** {why}.'
         if end:
             card = _card(int(verdict.result), title_of(verdict), f'at the end: {end}')
-            text = f'**{title_of(verdict)}**{span}.\n\n{self._words(verdict, whole=True)}'
+            text = f'**{title_of(verdict)}**{span}.{late}\n\n{self._words(verdict, whole=True)}'
             self._put(time + 1, card, text)
 
     def _put(self, time: int, card: rr.EncodedImage, text: str) -> None:
