@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 import ctypes
+import errno
 import os
 from pathlib import Path
 import signal
@@ -16,6 +17,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.recording.reader import recording_info
+from bearing_twin.ros.processes.deadlock import _waiting
 from bearing_twin.ros.processes.running import LEAVING
 from commands import python
 import pytest
@@ -155,3 +157,11 @@ def test_a_node_ends_in_order_although_the_middleware_never_answers(
     assert nodes.end('recorder', by=signal.SIGINT) == 0
     assert time.monotonic() - began >= LEAVING
     assert recording_info(bag).finished
+
+
+def test_without_a_descriptor_no_thread_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_: Path) -> None:
+        raise OSError(errno.EMFILE, 'Too many open files')
+
+    monkeypatch.setattr(Path, 'iterdir', refuse)
+    assert _waiting() == {}

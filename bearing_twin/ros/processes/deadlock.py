@@ -113,8 +113,13 @@ def watch(report: Callable[[str], None]) -> None:
 
 def _waiting() -> dict[str, str]:
     """Return the middleware's threads that wait for a mutex, and where and since when."""
-    found = {}
-    for task in Path('/proc/self/task').iterdir():
+    found: dict[str, str] = {}
+    try:
+        tasks = [*Path('/proc/self/task').iterdir()]
+    except OSError:
+        # No descriptor is left.
+        return found
+    for task in tasks:
         # A thread may end meanwhile; some sandboxes do not tell the system call.
         with suppress(OSError):
             name = (task / 'comm').read_text().strip()
