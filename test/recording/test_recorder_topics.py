@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 import shutil
 import time
@@ -16,7 +17,7 @@ pytest.importorskip('rclpy')
 
 
 from bearing_twin.nodes.recorder import RecorderNode
-from bearing_twin.ros.topics import rawsubscriptions
+from bearing_twin.ros.topics import raw, rawsubscriptions
 from bearing_twin.ros.topics.rawsubscriptions import TopicChoice
 from commands import python
 import geometry_msgs
@@ -196,6 +197,26 @@ def test_a_topic_that_is_remapped_away_is_left_out_and_told(
         rclpy.shutdown()
     found = [(m.topic, m.decode().data) for m in read_messages(bag) if 'level' in m.topic]
     assert found == [('/fan/level', float(k)) for k in range(SENT)]
+
+
+def test_a_definition_that_the_system_does_not_give_is_read_again(
+    here: Maker, elsewhere: Maker, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_: str) -> None:
+        raise OSError(errno.EMFILE, 'Too many open files')
+
+    recorder = here(RecorderNode, output=str(tmp_path / 'bag'))
+    recorder.trigger_configure()
+    level = elsewhere('source').create_publisher(Float64, 'level', 10)
+    until(lambda: recorder.count_publishers('/level') == 1)
+    with monkeypatch.context() as patched:
+        patched.setattr(raw, 'message_schema', refuse)
+        recorder.trigger_activate()
+    topics = recorder._topics
+    assert 'Too many open files' in topics.left_out['/level']
+    topics.discover()
+    assert topics.left_out == {}
+    until(lambda: level.get_subscription_count() == 1)
 
 
 def test_messages_built_for_another_python_are_refused(tmp_path: Path) -> None:

@@ -57,7 +57,9 @@ def message_schema(type_name: str) -> MessageSchema:
     Raises
     ------
     BearingTwinError
-        If the type is not installed, or its definition cannot be read.
+        If the type is not installed, or its definition is not understood.
+    OSError
+        If the definition cannot be read now.
 
     """
     texts: dict[str, str] = {}
@@ -65,7 +67,7 @@ def message_schema(type_name: str) -> MessageSchema:
     try:
         _collect(type_name, texts, store)
         type_hash = store.hash_rihs01(type_name)
-    except BearingTwinError:
+    except (BearingTwinError, OSError):
         raise
     except Exception as error:
         # rosbags raises exceptions of many types, and it does not know all that ROS allows.

@@ -140,6 +140,9 @@ class RawSubscriptions:
                 qos = subscription_qos(same)
                 if known is None or former != type_name or _misses(known.qos_profile, qos):
                     self._subscribe(topic, type_name, qos)
+            except OSError as error:
+                # Of no descriptor that is left, for instance: it is tried again.
+                self._leave_out(topic, str(error))
             except BearingTwinError as error:
                 self._unsubscribe(topic)
                 self._refused[topic] = kinds
