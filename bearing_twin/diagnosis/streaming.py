@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 20
+_VERSION = 21
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
 """Largest relative rounding of the time between updates."""
@@ -43,9 +43,9 @@ PATIENCE = 3.0
 _STEADY = 1e-4
 """Largest relative change of the sample rate within a window: a line at 1 kHz moves by less than
 its width in 8 s."""
-LOOK_EVERY = 10
-"""Number of windows of which one is looked at for a speed that is not the given one: a look takes
-as long as two verdicts."""
+LOOK_EVERY, LOOK_SELDOM = 10, 80
+"""Least and largest number of windows from one look at other speeds to the next: a look takes
+three to six times as long as a verdict, so fruitless ones take 4 to 8 % of the time in the end."""
 _FARTHEST = 2**63 - 1
 """Largest index of a sample, in either direction."""
 
@@ -200,6 +200,8 @@ class StreamingDiagnoser:
         # The newest restart, its sample, and how many there were since the last update.
         self._note, self._noted, self._restarts = '', 0, 0
         self._waited = 0.0
+        # Windows from one look at other speeds to the next, and windows since the last one.
+        self._pause, self._unseen = LOOK_EVERY, 0
         self._rate = math.nan
         self._named: tuple[str, str] | None = None
         self._clear(0)
@@ -368,8 +370,10 @@ class StreamingDiagnoser:
             if not self._guest.takes(source):
                 self._guest = Trend()
             trend = self._guest
-        if full and found.level != 'fault' and self._looks(analysis, trend.held):
+        if full and self._looks(found, analysis, trend.held):
             found = _looked_at(found, analysis)
+            rises = trend.held.would_rise(found.level)
+            self._pause = LOOK_EVERY if rises else min(2 * self._pause, LOOK_SELDOM)
         span = settings.memory if settings.averages else settings.window
         return trend.update(
             found,
@@ -402,6 +406,7 @@ class StreamingDiagnoser:
             'start': self._start,
             'next': self._next,
             'note': [self._note, self._noted, self._restarts],
+            'look': [self._pause, self._unseen],
             'earlier': [(end, orders.step, orders.given) for end, orders in earlier],
         }
         return pack(_VERSION, values, arrays)
@@ -438,6 +443,7 @@ class StreamingDiagnoser:
             )
             start, following = int(values['start']), int(values['next'])
             note, noted, restarts = values['note']
+            pause, unseen = map(int, values['look'])
             trend, guest = (restored(Trend, values[name]) for name in ('trend', 'guest'))
             if not (0.0 < rate < math.inf or math.isnan(rate)):
                 raise ValueError(f'sample rate {rate}')
@@ -454,6 +460,7 @@ class StreamingDiagnoser:
         self._judged, self._earlier = self._run, earlier
         self._note, self._noted, self._restarts = str(note), int(noted), int(restarts)
         self._trend, self._guest = trend, guest
+        self._pause, self._unseen = pause, unseen
 
     def first_needed_sample(self, following: int) -> int:
         """
@@ -557,19 +564,23 @@ class StreamingDiagnoser:
             run=self._run,
         )
 
-    def _looks(self, analysis: Analysis, held: HeldLevel) -> bool:
+    def _looks(self, found: Diagnosis, analysis: Analysis, held: HeldLevel) -> bool:
         """
-        Return whether a window without an alarm is looked at for another speed than the given one.
+        Count a full window; return whether it is looked at for another speed than the given one.
 
-        It is if the speed is only nominal and the lines of the shaft do not show at it, or not at
-        one speed. Each tenth window is, and those after one that asked for a level that is not
-        held yet.
+        It is if it is no alarm, its speed is only nominal, and the lines of the shaft do not show
+        at it, or not at one speed. One in ten is, and fewer while looks ask for no level that is
+        not held yet; so are those after a window that asks for one.
         """
-        excerpt, window = analysis.excerpt, analysis.window
-        if window is None or window.speed.steady or not _is_nominal(excerpt):
+        window = analysis.window
+        if window is None or not _is_nominal(analysis.excerpt):
             return False
-        number = excerpt.end // Cut.of(excerpt.settings, excerpt.sample_rate).interval
-        return number % LOOK_EVERY == 0 or held.begins_to_rise
+        self._unseen += 1
+        due = self._unseen >= self._pause or any(map(held.would_rise, held.newest[-1:]))
+        if found.level == 'fault' or window.speed.steady or not due:
+            return False
+        self._unseen = 0
+        return True
 
     def _before(self, excerpt: Excerpt, wanted: int) -> list[OrderSpectra]:
         """Return the windows to average with an excerpt, oldest first; drop those too old."""

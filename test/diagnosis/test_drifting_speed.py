@@ -113,6 +113,19 @@ def test_few_windows_of_a_stream_are_looked_at_for_a_moving_speed(monkeypatch):
     assert 0 < len(looked) <= 40 // streaming.LOOK_EVERY
 
 
+def test_looks_that_ask_for_nothing_become_rarer_and_a_saved_stream_goes_on_with_them():
+    """Noise shows no lines of a shaft."""
+    x, rate = np.random.default_rng(0).standard_normal(60 * 2560), 2560.0
+    settings = DiagnosisSettings(window=4.0, update_interval=0.2)
+    whole = StreamingDiagnoser(find_bearing('6206'), settings)
+    assert not any(each.level == 'fault' for each in whole.push(0, x, rate, 24.6))
+    assert whole._pause == streaming.LOOK_SELDOM
+    assert whole._unseen > 2 * streaming.LOOK_EVERY
+    other = StreamingDiagnoser(find_bearing('6206'), settings)
+    other.load(whole.save())
+    assert (other._pause, other._unseen) == (whole._pause, whole._unseen)
+
+
 def test_a_sound_machine_whose_speed_drifts_has_no_alarm():
     for seed in range(4):
         x, rate = _drifting('', 0.15, seed)

@@ -122,11 +122,9 @@ class HeldLevel:
         asks = (each not in lower for each in reversed(self.newest))
         return sum(1 for _ in itertools.takewhile(bool, asks))
 
-    @property
-    def begins_to_rise(self) -> bool:
-        """Whether the newest verdict asks for a higher alarm than the held level."""
-        lower = {'none', 'ok', *LEVELS[: LEVELS.index(self.level or 'ok') + 1]}
-        return bool(self.newest) and self.newest[-1] not in lower
+    def would_rise(self, level: str) -> bool:
+        """Return whether as many verdicts as needed with this level would raise the held one."""
+        return level not in {'none', 'ok', *LEVELS[: LEVELS.index(self.level or 'ok') + 1]}
 
     def wait(self, pace: Pace) -> float:
         """Return the length of a pause after which the level falls, s."""
