@@ -17,7 +17,7 @@ def command() -> int:
     # Process pools and their resource tracker are started by the standard library. Without this
     # they would look for modules in the working directory first.
     os.environ.setdefault('PYTHONSAFEPATH', '1')
-    # Until all is loaded: see `bearing_twin.memory.begin_collection`.
+    # Until all is loaded: see `bearing_twin.process.begin_collection`.
     gc.disable()
     try:
         from bearing_twin.cli import main

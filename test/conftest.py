@@ -75,7 +75,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop() -> None:
     """Look for garbage from now on, and not among what the tests have loaded."""
-    from bearing_twin.memory import begin_collection
+    from bearing_twin.process import begin_collection
 
     begin_collection()
 

@@ -27,7 +27,7 @@ from bearing_twin import __version__
 from bearing_twin.cli.arguments import refuse_command, refuse_unknown, take_as_meant
 from bearing_twin.cli.terminal import mend_streams, report_compiling
 from bearing_twin.errors import BearingTwinError, REFUSED, shown, UsageError
-from bearing_twin.memory import begin_collection, keep_freed_memory
+from bearing_twin.process import begin_collection, keep_freed_memory
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -32,7 +32,7 @@ from bearing_twin.diagnosis import diagnose_record
 from bearing_twin.diagnosis.compilation import warm_up
 from bearing_twin.diagnosis.rules.confidence import KINDS
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.memory import end_with_parent
+from bearing_twin.process import end_with_parent
 from bearing_twin.recording.signals.dataset import (
     dataset_bearing,
     dataset_signals,

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from bearing_twin.diagnosis import compilation as diagnosis
 from bearing_twin.dynamics import compilation as dynamics
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.memory import end_with_parent
 from bearing_twin.numerics.compiled import (
     cache_folder,
     has_compiled,
@@ -21,6 +20,7 @@ from bearing_twin.numerics.compiled import (
     processor,
     why_not_kept,
 )
+from bearing_twin.process import end_with_parent
 
 if TYPE_CHECKING:
     import argparse

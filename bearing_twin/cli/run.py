@@ -10,7 +10,7 @@ import inspect
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.cli.terminal import by_level, fitted
-from bearing_twin.memory import begin_collection
+from bearing_twin.process import begin_collection
 
 if TYPE_CHECKING:
     from bearing_twin.assets.parameters.spec import Spec

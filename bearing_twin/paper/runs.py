@@ -17,8 +17,8 @@ from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics import preset, Simulator, warm_up
 from bearing_twin.dynamics.equations import coefficients
 from bearing_twin.dynamics.trend import impact_amplitude
-from bearing_twin.memory import end_with_parent
 from bearing_twin.paper import settings
+from bearing_twin.process import end_with_parent
 import numpy as np
 import numpy.typing as npt
 from tqdm import tqdm

@@ -13,7 +13,7 @@ import threading
 import traceback
 from typing import Any, Generic, TYPE_CHECKING, TypeVar
 
-from bearing_twin.memory import end_with_parent
+from bearing_twin.process import end_with_parent
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -12,7 +12,7 @@ import sys
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.memory import keep_freed_memory
+from bearing_twin.process import keep_freed_memory
 from bearing_twin.wholefile import output_file
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.cli.arguments import processes
 from bearing_twin.cli.signal_arguments import unread
 from bearing_twin.errors import BearingTwinError
-from bearing_twin.memory import end_with_parent, keep_freed_memory
+from bearing_twin.process import end_with_parent, keep_freed_memory
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

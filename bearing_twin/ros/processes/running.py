@@ -15,7 +15,7 @@ import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError, REFUSED, shown
-from bearing_twin.memory import keep_freed_memory
+from bearing_twin.process import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import PREPARATION, refuses

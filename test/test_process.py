@@ -7,7 +7,7 @@ from commands import python
 SCRIPT = """
 import resource, sys
 import numpy as np
-from bearing_twin.memory import keep_freed_memory
+from bearing_twin.process import keep_freed_memory
 if sys.argv[1] == 'keep':
     assert keep_freed_memory()
 for run in range(20):
