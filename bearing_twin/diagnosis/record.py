@@ -169,6 +169,8 @@ def at_other_speeds(
     cut
         Makes an excerpt of samples and their speed.
 
+    Examples
+    --------
     >>> from bearing_twin.bearing import find_bearing
     >>> from bearing_twin.diagnosis.settings import DiagnosisSettings
     >>> known = {'bearing': find_bearing('6307'), 'settings': DiagnosisSettings()}

@@ -79,7 +79,7 @@ class Spectrogram:
 
     @property
     def _begun(self) -> NDArray[np.float64]:
-        """The step that is not full yet, as a column; none if it is too short for a spectrum."""
+        """Return the step that is not full yet as a column; none if too short for a spectrum."""
         enough = self._pending.size >= 2 * ROWS
         return _column(self._pending)[:, None] if enough else np.empty((ROWS, 0))
 
