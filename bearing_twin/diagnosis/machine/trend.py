@@ -49,7 +49,7 @@ _MAY_START = (
 )
 _AFTER_REPAIR = 'after a repair reset the diagnosis'
 _BLIND = (
-    'no lines of a shaft show at the given speed, as they did when it was found, so this window '
+    'it was found at a known speed, and no lines of a shaft show at the given one, so this window '
     f'does not tell that it has ended; measure the speed; {_AFTER_REPAIR}'
 )
 _LONG = 600.0
@@ -153,8 +153,8 @@ class Trend:
     rise: Rise = field(default_factory=Rise)
     measure: int = 0
     """Index in :data:`MEASURES` of the measure furthest over the baseline."""
-    shaft: int = 0
-    """Windows in a row with a known speed, until they are ``Pace.updates``."""
+    shaft: float = 0.0
+    """Windows in a row with a known speed; infinite as soon as they were ``Pace.updates``."""
     seen: bool = False
     """Whether the speed was known in the newest window that asked for the held fault."""
     source: Source = field(default_factory=Source)
@@ -250,16 +250,21 @@ class Trend:
         """
         Count windows with a known speed, and begin anew when the speed becomes known.
 
-        Before that the machine stood still or was starting up, at other levels.
+        Before that the machine stood still or was starting up, at other levels. Later than
+        `WARM_UP` after the first level it may be damage that shows lines of the shaft.
         """
-        if self.shaft >= pace.updates:
+        if math.isinf(self.shaft):
             return
-        self.shaft = self.shaft + 1 if speed_known else 0
-        if self.shaft >= pace.updates and self.judged > self.shaft * pace.interval:
+        self.shaft = self.shaft + 1.0 if speed_known else 0.0
+        if self.shaft < pace.updates:
+            return
+        late = self.judged - self.memory.began >= WARM_UP
+        if self.judged > self.shaft * pace.interval and not late:
             self.memory, self.rise = Memory(), Rise()
             self.count = self.doubtful = 0
             self.first.clear()
             self.minute.clear()
+        self.shaft = math.inf
 
     def _compared(
         self, diagnosis: Diagnosis, levels: list[float], now: Condition, wanted: int

@@ -574,6 +574,21 @@ def test_a_fault_does_not_end_while_its_speed_is_not_known():
         assert found[-1].level == 'ok'
 
 
+@pytest.mark.parametrize('known_at_first', [False, True])
+def test_a_baseline_is_kept_after_half_an_hour_whatever_shows_then(known_at_first):
+    """Damage may show the lines of the shaft; and `hold_updates` may change."""
+    trend, known = Trend(), {'wanted': 60, 'full': True}
+    for number in range(2100):
+        late = number >= 2000
+        window = said('healthy', 'ok', rms=5.0 if late else 1.0)
+        pace = Pace(updates=10 if number >= 1900 else 3)
+        found = trend.update(
+            window, MACHINE, speed_known=known_at_first or late, pace=pace, **known
+        )
+    assert found.level == 'fault'
+    assert found.severity.level_over_baseline == pytest.approx(14.0, abs=0.1)
+
+
 def test_a_standing_shaft_has_no_zone_and_c_is_a_lower_bound():
     """Zone C from 10 Hz on is at least zone C from 2 Hz on, also where the speed is not known."""
     settings = DiagnosisSettings(power_group=2, mounting='rigid')
