@@ -57,20 +57,18 @@ def begin_collection() -> None:
         gc.enable()
 
 
-def end_with_parent(parent: int = 0) -> None:
+def end_with_parent() -> None:
     """
-    Let this process end, even in the middle of a task, when its parent has ended or was killed.
+    Let a process of multiprocessing end, even in the middle of a task, when its parent has ended.
 
-    The processes of a pool of the standard library would wait for tasks forever: each of them
-    holds the pipe open through which they come.
-
-    Parameters
-    ----------
-    parent
-        Process id of the parent; 0: the present one.
-
+    The processes of a pool of the standard library would wait for tasks forever after their parent
+    was killed: each of them holds the pipe open through which they come. The parent may have been
+    killed while this process loaded.
     """
-    parent = parent or os.getppid()
+    from multiprocessing import parent_process
+
+    owner = parent_process()
+    parent = owner.pid if owner else os.getppid()
 
     def watch() -> None:
         while os.getppid() == parent:

@@ -73,7 +73,7 @@ class Worker(Generic[Task, Answer]):
             self._turn = threading.Lock()
             with theirs:
                 process = context.Process(
-                    target=_serve, args=(theirs, os.getpid(), *self._made_of), daemon=True
+                    target=_serve, args=(theirs, *self._made_of), daemon=True
                 )
                 process.start()
             self._process = process
@@ -109,11 +109,11 @@ def _hand_over(pipe: Connection, turn: threading.Lock, task: Any, future: Future
         future.set_exception(error)
 
 
-def _serve(pipe: Connection, owner: int, work: Callable[[Any], Any], niceness: int) -> None:
+def _serve(pipe: Connection, work: Callable[[Any], Any], niceness: int) -> None:
     os.nice(niceness)
     # The owner handles Ctrl-C.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent(owner)
+    end_with_parent()
     # The pipe is closed when the owner has ended.
     with contextlib.suppress(EOFError, BrokenPipeError):
         while True:
