@@ -288,13 +288,14 @@ def test_a_node_that_is_killed_leaves_no_verdict_of_now(recording, tmp_path, per
     assert {tuple(state) for state in others} == {('ok',)}
 
 
+@pytest.mark.parametrize('step', [1, 30])
 @pytest.mark.parametrize(('pause', 'parted'), [(2, False), (4, True), (600, True)])
-def test_a_line_does_not_cross_a_pause(recording, tmp_path, pause, parted):
+def test_a_line_does_not_cross_a_pause(recording, tmp_path, pause, parted, step):
     rrd, [*_, last] = tmp_path / 'pause.rrd', read_messages(recording, topics=['/diagnosis'])
     verdict = last.decode()
     with RerunLogger(recording_id='pause', rrd=rrd) as logger:
-        for second in (*range(10), *range(9 + pause, 20 + pause)):
-            verdict.header.stamp.sec = last.log_time // SECOND + second
+        for number in (*range(10), *range(9 + pause, 20 + pause)):
+            verdict.header.stamp.sec = last.log_time // SECOND + step * number
             logger.log(last.topic, last.type_name, verdict, verdict.header.stamp.sec * SECOND)
     assert logger.problems == {}
     times, values = columns(rrd, '/diagnosis/level/rms', 'scalars')

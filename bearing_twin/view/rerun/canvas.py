@@ -34,6 +34,8 @@ _T = TypeVar('_T', bound=np.generic)
 
 PAUSE = NANO
 """Longest step that never parts a line, ns."""
+UNKNOWN = np.iinfo(np.int64).max
+"""Step to the first sample of a line, ns."""
 
 
 def png(image: Image.Image, colours: int) -> rr.EncodedImage:
@@ -143,12 +145,15 @@ class Canvas:
         self, name: str, times: NDArray[np.int64], values: NDArray[np.float64]
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return samples of a line with a NaN, which Rerun does not draw, in each pause."""
-        end, step = self._ends.get(name, (int(times[0]), PAUSE))
+        begins = name not in self._ends
+        end, step = self._ends.get(name, (int(times[0]), UNKNOWN))
         before = np.concatenate([[end], times[:-1]])
         steps = times - before
+        if begins:
+            steps[0] = UNKNOWN
         self._ends[name] = int(times[-1]), int(steps[-1])
         usual = np.concatenate([[step], steps[:-1]])
-        after = np.flatnonzero((steps > PAUSE) & (steps > 3 * usual))
+        after = np.flatnonzero((steps > PAUSE) & (steps // 3 > usual))
         if not after.size:
             return times, values
         return np.insert(times, after, before[after] + 1), np.insert(values, after, np.nan, axis=0)
