@@ -378,12 +378,12 @@ class Trend:
             return replace(own, level='none', window=(own.result, own.level))
         newest = HeldAnswer.of(own)
         # Without information a fault is held for as long as that lasts, any other answer for a
-        # while.
-        told = not blind and (own.level != 'none' or held.level == 'suspect')
+        # while. A blind window tells that the fault lasts, but neither its end nor its place.
+        told = own.level == 'fault' if blind else (own.level != 'none' or held.level == 'suspect')
         before, level = held.level, held.take(own.level, pace) if told else held.level
         if told and own.level != level:
             self.other, self.other_count = HeldAnswer(), 0
-        elif told and (
+        elif (told and not blind) and (
             level != before or newest.same(self.answer) or self._another(newest, pace.updates)
         ):
             self.answer = newest

@@ -566,6 +566,13 @@ def test_a_fault_does_not_end_while_its_speed_is_not_known():
         found = [trend.update(silent, MACHINE, speed_known=not lost, **known) for _ in range(120)]
         assert found[-1].level == level
         assert ('no lines of a shaft show' in found[9].reasons[-1]) == lost
+    # It lasts if such a window asks for it, and keeps its place.
+    trend, other = Trend(), said('outer', 'fault', 'outer')
+    for verdicts, it in (([worn] * 60, True), ([silent] * 20, True), ([other] * 60, False)):
+        found = [trend.update(each, MACHINE, speed_known=it, **known) for each in verdicts]
+    assert {each.result for each in found} == {'inner'}
+    found = [trend.update(silent, MACHINE, **known).level for _ in range(60)]
+    assert found.index('ok') > 20
     # At a known speed it is told as soon as before, also one that was never known.
     for known_then in (True, False):
         trend = Trend()
