@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from bearing_twin.bearing import check_geometry
 from bearing_twin.diagnosis.chain import Excerpt, is_simulated, Stretch
 from bearing_twin.diagnosis.combs.comb import OrderSpectra
-from bearing_twin.diagnosis.machine.held import HeldLevel, Pace
+from bearing_twin.diagnosis.machine.held import Pace
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.record import at_other_speeds, WINDOW_TURNS
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 22
+_VERSION = 23
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
 """Largest relative rounding of the time between updates."""
@@ -202,6 +202,8 @@ class StreamingDiagnoser:
         self._waited = 0.0
         # Windows from one look at other speeds to the next, and windows since the last one.
         self._pause, self._unseen = LOOK_EVERY, 0
+        # Whether the newest window asked for a level that was not held.
+        self._asked = False
         self._rate = math.nan
         self._named: tuple[str, str] | None = None
         self._clear(0)
@@ -370,12 +372,12 @@ class StreamingDiagnoser:
             if not self._guest.takes(source):
                 self._guest = Trend()
             trend = self._guest
-        if full and self._looks(found, analysis, trend.held):
+        if full and self._looks(found, analysis):
             found = _looked_at(found, analysis)
             rises = trend.held.would_rise(found.level)
             self._pause = LOOK_EVERY if rises else min(2 * self._pause, LOOK_SELDOM)
         span = settings.memory if settings.averages else settings.window
-        return trend.update(
+        shown = trend.update(
             found,
             source,
             wanted=settings.baseline_windows,
@@ -390,6 +392,8 @@ class StreamingDiagnoser:
             full=full,
             speed_known=not _is_nominal(excerpt) or (window is not None and window.speed.shows),
         )
+        self._asked = trend.held.would_rise(shown.window[1] if shown.window else shown.level)
+        return shown
 
     def save(self) -> bytes:
         """Return the state to keep over a restart: baseline, held level and averaged windows."""
@@ -406,7 +410,7 @@ class StreamingDiagnoser:
             'start': self._start,
             'next': self._next,
             'note': [self._note, self._noted, self._restarts],
-            'look': [self._pause, self._unseen],
+            'look': [self._pause, self._unseen, self._asked],
             'earlier': [(end, orders.step, orders.given) for end, orders in earlier],
         }
         return pack(_VERSION, values, arrays)
@@ -443,7 +447,7 @@ class StreamingDiagnoser:
             )
             start, following = int(values['start']), int(values['next'])
             note, noted, restarts = values['note']
-            pause, unseen = map(int, values['look'])
+            pause, unseen, asked = map(int, values['look'])
             trend, guest = (restored(Trend, values[name]) for name in ('trend', 'guest'))
             if not (0.0 < rate < math.inf or math.isnan(rate)):
                 raise ValueError(f'sample rate {rate}')
@@ -460,7 +464,7 @@ class StreamingDiagnoser:
         self._judged, self._earlier = self._run, earlier
         self._note, self._noted, self._restarts = str(note), int(noted), int(restarts)
         self._trend, self._guest = trend, guest
-        self._pause, self._unseen = pause, unseen
+        self._pause, self._unseen, self._asked = pause, unseen, bool(asked)
 
     def first_needed_sample(self, following: int) -> int:
         """
@@ -564,7 +568,7 @@ class StreamingDiagnoser:
             run=self._run,
         )
 
-    def _looks(self, found: Diagnosis, analysis: Analysis, held: HeldLevel) -> bool:
+    def _looks(self, found: Diagnosis, analysis: Analysis) -> bool:
         """
         Count a full window; return whether it is looked at for another speed than the given one.
 
@@ -576,7 +580,7 @@ class StreamingDiagnoser:
         if window is None or not _is_nominal(analysis.excerpt):
             return False
         self._unseen += 1
-        due = self._unseen >= self._pause or any(map(held.would_rise, held.newest[-1:]))
+        due = self._unseen >= self._pause or self._asked
         if found.level == 'fault' or window.speed.steady or not due:
             return False
         self._unseen = 0

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A shaft whose speed drifts within a record, and orders beside whole numbers of a turn."""
 
+from dataclasses import replace
 from itertools import product
 
 from bearing_twin.bearing import fault_orders, find_bearing, PLACES
@@ -124,6 +125,22 @@ def test_looks_that_ask_for_nothing_become_rarer_and_a_saved_stream_goes_on_with
     other = StreamingDiagnoser(find_bearing('6206'), settings)
     other.load(whole.save())
     assert (other._pause, other._unseen) == (whole._pause, whole._unseen)
+
+
+def test_windows_that_tell_nothing_are_not_each_looked_at(monkeypatch):
+    """Neither after one that asked for a level and got none."""
+    looked, rate = [], 2560.0
+    settings = DiagnosisSettings(window=4.0, update_interval=0.2)
+    diagnoser = StreamingDiagnoser(find_bearing('6206'), settings)
+
+    def looks(found, *_):
+        looked.append(found)
+        return replace(found, level='fault' if len(looked) == 1 else 'none')
+
+    monkeypatch.setattr(streaming, 'at_other_speeds', looks)
+    noise = np.random.default_rng(0).standard_normal(14 * 2560)
+    assert {each.level for each in diagnoser.push(0, noise, rate, 24.6)} == {'none', 'ok'}
+    assert 1 < len(looked) <= 5
 
 
 def test_a_sound_machine_whose_speed_drifts_has_no_alarm():
