@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from rclpy.context import Context
     from rclpy.node import Node
+    from rclpy.signals import SignalHandlerGuardCondition
     from rclpy.subscription import Subscription
 
 
@@ -72,6 +73,9 @@ class LeanExecutor(SingleThreadedExecutor):
     for timers, and for topics that are not in a `PolledGroup`. Ten times a second rclpy checks the
     rest in its usual way. Callbacks of timers and subscriptions must be plain functions.
     """
+
+    _sigint_gc: SignalHandlerGuardCondition | None = None
+    """Set late by rclpy, which looks for it when an executor is deleted that it refused."""
 
     def __init__(self, *, context: Context | None = None) -> None:
         super().__init__(context=context)

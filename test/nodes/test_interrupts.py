@@ -88,6 +88,26 @@ def test_an_interrupt_while_a_node_waits_for_subscribers_prints_no_error(
 
 
 @pytest.mark.ros
+def test_an_interrupt_while_a_node_is_built_prints_no_error(ros_domain: int) -> None:
+    code = (
+        'import os, signal, sys, time; import rclpy\n'
+        'from bearing_twin.cli import main\n'
+        'from bearing_twin.ros.processes import running\n'
+        'build = running._build\n'
+        'def interrupted(kind):\n'
+        '    node = build(kind)\n'
+        '    os.kill(os.getpid(), signal.SIGINT)\n'
+        '    while rclpy.ok(): time.sleep(0.01)\n'
+        '    return node\n'
+        'running._build = interrupted\n'
+        "sys.exit(main('run adapter --ros-args -p sample_rate:=25600.0'.split()))"
+    )
+    ran = python('-c', code, cwd=Path(__file__).parents[2])
+    assert ran.stderr == ''
+    assert ran.returncode == 0
+
+
+@pytest.mark.ros
 def test_a_closed_terminal_leaves_no_torn_recording(ros_domain: int, tmp_path: Path) -> None:
     bag = tmp_path / 'bag'
     words = ['-m', 'bearing_twin', 'run', 'recorder', '--ros-args', '-p', f'output:={bag}']

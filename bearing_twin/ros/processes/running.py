@@ -140,9 +140,6 @@ def _is_compiling() -> bool:
 
 
 def _work(node: ManagedNode) -> None:
-    executor = LeanExecutor()
-    executor.add_node(node)
-
     def give_up(threads: str) -> None:
         node.failed = True
         node.get_logger().fatal(
@@ -154,6 +151,9 @@ def _work(node: ManagedNode) -> None:
 
     watch(give_up)
     try:
+        # Refused after a signal during the construction of the node.
+        executor = LeanExecutor()
+        executor.add_node(node)
         _prepare(node, executor)
         node.bring_up()
         executor.spin()
