@@ -135,8 +135,6 @@ class Excerpt:
     """Frame and axis, with ' simulated' if a twin makes the samples."""
     notes: tuple[str, ...] = ()
     """Events of the stream since the previous excerpt."""
-    run: int = 0
-    """Number of the uninterrupted run of samples that holds the excerpt."""
     time: float = math.nan
     """Time of a snapshot of a series, s."""
     left_over: int = 0
@@ -260,9 +258,8 @@ class Excerpt:
         )
         windows = [self._window(piece * count, count, layout) for piece in range(self.pieces)]
         analysis = Analysis(self, mean_hz, windows[-1], tuple(w.orders for w in windows[:-1]))
-        if not self.settings.averages:
-            # Decided here, because this may run in another thread, and not when it is asked for.
-            _ = analysis.alone
+        # Decided here, because this may run in another thread, and not when it is asked for.
+        _ = analysis.alone
         return analysis
 
     def severity(self, shaft_hz: float) -> Severity | None:
@@ -315,7 +312,7 @@ def _together(stretches: Sequence[Stretch]) -> SpeedProfile:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Analysis of the samples of an excerpt, without earlier windows."""
+    """Analysis of the samples of an excerpt."""
 
     excerpt: Excerpt
     shaft_hz: float
@@ -326,11 +323,6 @@ class Analysis:
     """Spectra of the earlier windows of the excerpt, oldest first."""
     refused: tuple[str, ...] = ()
     """Why the record gate refused the excerpt."""
-
-    @cached_property
-    def alone(self) -> Diagnosis:
-        """Diagnosis from these samples alone."""
-        return self.conclude(())
 
     def may_show(self, hertz: float, clearest: float) -> bool:
         """
@@ -354,8 +346,9 @@ class Analysis:
 
         return any(shows(combs.best(place)) for place in PLACES)
 
-    def conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
-        """Return the diagnosis from these samples and spectra of earlier windows, oldest first."""
+    @cached_property
+    def alone(self) -> Diagnosis:
+        """Diagnosis from these samples alone."""
         excerpt, window = self.excerpt, self.window
         taken: dict[str, Any] = {
             'first_sample': excerpt.first_sample,
@@ -372,7 +365,7 @@ class Analysis:
                 unit=excerpt.unit,
                 severity=excerpt.severity(self.shaft_hz),
             )
-        verdict, speed = self._verdict([*earlier, *self.before, window.orders], window)
+        verdict, speed = self._verdict([*self.before, window.orders], window)
         severity, shaft_hz = window.severity, speed.shaft_hz
         smallest = math.nan
         if excerpt.simulated:
