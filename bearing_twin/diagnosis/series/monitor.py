@@ -121,9 +121,6 @@ class SeriesMonitor:
         None: alarms have no place, and no envelope is averaged.
     settings
         See :class:`DiagnosisSettings`; ``baseline_windows`` is at least 10 here.
-    law
-        Dependence of the levels on temperature and speed; None: it is learnt from the snapshots of
-        the healthy machine.
 
     Raises
     ------
@@ -143,20 +140,13 @@ class SeriesMonitor:
 
     """
 
-    def __init__(
-        self,
-        bearing: Bearing | None,
-        settings: DiagnosisSettings | None = None,
-        *,
-        law: Law | None = None,
-    ) -> None:
+    def __init__(self, bearing: Bearing | None, settings: DiagnosisSettings | None = None) -> None:
         self._settings = settings or DiagnosisSettings()
         if self._settings.baseline_windows < LEAST_BASELINE:
             raise BearingTwinError(
                 f'a baseline of {self._settings.baseline_windows} snapshots is too short: give at '
                 f'least {LEAST_BASELINE}'
             )
-        self._given = law
         self._bearing = bearing
         self._kept = SeriesMemory()
         # Of each watched measure, and the velocity over 1 mm/s, dB.
@@ -377,8 +367,7 @@ class SeriesMonitor:
 
     def _laws(self) -> list[Law]:
         """Return the law of each measure."""
-        count = len(WATCHED)
-        return self._kept.memory.laws(count) if self._given is None else [self._given] * count
+        return self._kept.memory.laws(len(WATCHED))
 
     def _changes_at(self, now: Condition) -> NDArray[np.float64]:
         """Return corrections to the baseline's condition, and standard deviations, dB."""
