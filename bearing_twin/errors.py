@@ -24,6 +24,10 @@ class UsageError(BearingTwinError):
     """The call itself cannot be used; the exit status is :data:`REFUSED`."""
 
 
+class FileError(BearingTwinError):
+    """A file cannot be read now; the exit status is 1, as the same call may work later."""
+
+
 @contextmanager
 def refused() -> Iterator[None]:
     """

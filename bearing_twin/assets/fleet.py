@@ -13,7 +13,7 @@ from bearing_twin.assets.checkpoints import parameters_of
 from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
 from bearing_twin.assets.parameters import twin as twin_parameters
 from bearing_twin.dynamics.fleet.fleet import Fleet
-from bearing_twin.errors import BearingTwinError
+from bearing_twin.errors import BearingTwinError, FileError
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.wholefile import given_path
 import yaml
@@ -56,9 +56,11 @@ def read_assets(path: str, names: list[str]) -> list[Asset]:
 
     Raises
     ------
+    FileError
+        If the file cannot be read.
     BearingTwinError
-        If there are no assets, the file cannot be read, a name is used twice or is not a ROS
-        namespace, or two diagnoses share a saved state.
+        If there are no assets, a name is used twice or is not a ROS namespace, or two diagnoses
+        share a saved state.
 
     """
     if not path:
@@ -103,7 +105,7 @@ def _table(path: str) -> dict[Any, Any]:
         refuse_special(file)
         content = yaml.load(file.read_text(encoding='utf-8'), _EachOnce)
     except OSError as error:
-        raise BearingTwinError(f'{path} cannot be read: {error.strerror}') from None
+        raise FileError(f'{path} cannot be read: {error.strerror}') from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         # Other bytes than UTF-8 and a date that does not exist are a ValueError.
         raise BearingTwinError(f'{path} is no YAML: {error}') from None

@@ -12,6 +12,7 @@ from pathlib import Path
 import re
 from typing import Any, TYPE_CHECKING
 
+from bearing_twin.errors import FileError
 import yaml
 
 if TYPE_CHECKING:
@@ -92,7 +93,15 @@ def near_misses(sections: Sequence[str], node: str) -> list[str]:
 
 
 def reason(words: Sequence[str]) -> str:
-    """Return why parameter files cannot be read, with the line; '' if all can."""
+    """
+    Return why parameter files are refused, with the line; '' if none is.
+
+    Raises
+    ------
+    FileError
+        If one cannot be read.
+
+    """
     return '; '.join(filter(None, map(_unreadable, _files(words))))
 
 
@@ -100,7 +109,7 @@ def _unreadable(file: str) -> str:
     try:
         yaml.safe_load(Path(file).read_text(encoding='utf-8'))
     except OSError as error:
-        return f'{file}: {error.strerror}'
+        raise FileError(f'{file} cannot be read: {error.strerror}') from None
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 0
         return f'{file}, line {line}: {error.problem}'

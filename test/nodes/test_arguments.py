@@ -71,7 +71,6 @@ def test_a_node_refuses_what_it_cannot_take(ros_domain, words, status, text):
         ('', b'a: &a [*a]\n', 'a.yaml'),
         ('', bytes(range(128, 256)), "a.yaml: 'utf-8' codec can't decode byte 0x80"),
         ('', b'a:\n  b:\n\tc: 1\n', "a.yaml, line 3: found character '\\t' that cannot start"),
-        ('', None, 'a.yaml'),
         ('abc', b'', 'ROS_DOMAIN_ID'),
     ],
 )
@@ -79,11 +78,24 @@ def test_what_rclpy_cannot_begin_with_is_said_in_a_sentence(
     ros_domain, tmp_path, domain, content, text
 ):
     path = tmp_path / 'a.yaml'
-    if content is not None:
-        path.write_bytes(content)
+    path.write_bytes(content)
     words = ['recorder', '--ros-args', '--params-file', path]
     ran = run_command('run', *words, ROS_DOMAIN_ID=domain or os.environ['ROS_DOMAIN_ID'])
     assert_ended(ran, 2, 'recorder: failed to initialize rcl', text)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ('node', 'option', 'value'),
+    [
+        ('recorder', '--params-file', 'a.yaml'),
+        ('fleet', '-p', 'assets_file:=a.yaml'),
+        ('replay', '-p', 'recording:=a.yaml'),
+    ],
+)
+def test_a_file_that_is_missing_may_be_there_later(ros_domain, node, option, value):
+    ran = run_command('run', node, '--ros-args', option, value)
+    assert_ended(ran, 1, 'a.yaml')
 
 
 @pytest.mark.ros

@@ -41,8 +41,10 @@ def initialise(args: Sequence[str] | None) -> None:
 
     Raises
     ------
+    FileError
+        If a parameter file cannot be read.
     BearingTwinError
-        If the parameter file or ``ROS_DOMAIN_ID`` is invalid. For a number that is too large
+        If a parameter file or ``ROS_DOMAIN_ID`` is invalid. For a number that is too large
         Fast DDS would end the process without naming it, and a negative one would be taken for
         the default domain.
 

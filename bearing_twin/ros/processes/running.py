@@ -14,7 +14,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from bearing_twin.errors import BearingTwinError, REFUSED, shown
+from bearing_twin.errors import BearingTwinError, FileError, REFUSED, shown
 from bearing_twin.process import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
@@ -187,7 +187,8 @@ def _run(node_class: type[ManagedNode], args: Sequence[str] | None) -> int:
         status = 1 if node is not None and node.failed else 0
     except BearingTwinError as error:
         print(shown(f'{_program(node_class)}: {error}', keep='\n'), file=sys.stderr)
-        status = REFUSED if node is None or node.refused else 1
+        refused = node.refused if node is not None else not isinstance(error, FileError)
+        status = REFUSED if refused else 1
     except RCLError as error:
         # With a time beyond 2038 Fast DDS 3.2 sends nothing and never recovers: the process must
         # be restarted.
@@ -258,6 +259,8 @@ def _build(node_class: type[ManagedNode]) -> ManagedNode:
     try:
         return future.result()
     except Exception as error:
+        if isinstance(error, BearingTwinError):
+            raise
         if refuses(error):
             raise BearingTwinError(str(error)) from None
         if rclpy.ok():
