@@ -36,7 +36,7 @@ from bearing_twin.diagnosis.signal.severity import (
     SLOW_HZ,
     valid_for_length,
 )
-from bearing_twin.diagnosis.signal.shaft import ShaftSpeed, SpeedProfile
+from bearing_twin.diagnosis.signal.shaft import shafts_instead_hz, ShaftSpeed, SpeedProfile
 from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
@@ -418,13 +418,15 @@ class Analysis:
         bearing, speed, given_hz = self.excerpt.bearing, window.speed, self.shaft_hz
         turns = window.revolutions * len(windows)
         steps = max(stretch.extent.steps for stretch in self.excerpt.stretches)
+        measured = self.excerpt.settings.measured_speed_tolerance
 
         def evidence(spectra: OrderSpectra, speed: ShaftSpeed) -> Evidence:
             combs = CombSearch(spectra, bearing, speed)
             outer_hz = combs.expected.without_slip.bpfo * speed.shaft_hz
             plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
+            shafts = partial(_other_shafts, window, given_hz, measured, combs)
             return Evidence(
-                combs, turns, steps, window.kurtosis, plain, lambda: window.ball_passages
+                combs, turns, steps, window.kurtosis, plain, lambda: window.ball_passages, shafts
             )
 
         refined = evidence(accumulate(windows), speed)
@@ -450,6 +452,26 @@ class Analysis:
         if clearer and other.strongest and mistaken(other.strongest):
             return with_confidence_basis(at_this, other), given
         return with_confidence_basis(refined, verdict), speed
+
+
+def _other_shafts(
+    window: Window, given_hz: float, measured: float, combs: CombSearch, comb: Candidate
+) -> dict[str, float]:
+    """
+    Return speeds at which a comb is of another place and a shaft shows, Hz, by place.
+
+    Of a speed whose tolerance is at most ``measured`` there are none: it is believed.
+    """
+    if window.speed.tolerance <= measured:
+        return {}
+    expected, hertz = combs.expected, combs.shaft_hz
+    ranges = {
+        place: (low * hertz, high * hertz)
+        for place, (low, high) in expected.other_speeds(comb).items()
+    }
+    lines = expected.lines(comb) * hertz
+    bin_hz, tolerance = 1.0 / window.seconds, window.speed.tolerance
+    return shafts_instead_hz(window.low.power, bin_hz, given_hz, tolerance, ranges, lines)
 
 
 def _lines(

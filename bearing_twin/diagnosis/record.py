@@ -284,7 +284,7 @@ def _at_another_speed(given: Diagnosis, said: Diagnosis, hertz: float) -> Diagno
 
     A fault at the given speed remains the answer if its comb is clearer.
     """
-    if said.level != 'fault' or said.result not in PLACES or said.faults == given.faults:
+    if said.level != 'fault' or said.result not in PLACES or said.result in given.faults:
         return None
     alarm = given.level == 'fault'
     if _clearest(given) > RIVAL * said.score[said.result]:

@@ -5,10 +5,16 @@
 import re
 
 from bearing_twin.bearing import fault_orders, find_bearing, own_bearing
-from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, record
+from bearing_twin.diagnosis import (
+    diagnose_record,
+    DiagnosisSettings,
+    record,
+    StreamingDiagnoser,
+)
 from bearing_twin.diagnosis.chain import Analysis, Excerpt
 from bearing_twin.diagnosis.rules.confidence import confidence, Trust
 from bearing_twin.diagnosis.signal.impulsive_outliers import limit_impulsive_outliers
+from bearing_twin.diagnosis.signal.shaft import shafts_instead_hz
 from bearing_twin.diagnosis.thresholds import SLIP_COST
 import numpy as np
 import pytest
@@ -500,6 +506,40 @@ def test_a_shaft_that_shows_at_another_speed_is_said(rng, factor, result, level)
     assert found and float(found[1]) == pytest.approx(SHAFT_HZ, rel=0.002)
     # Lines of the given speed leave nothing to ask.
     assert diagnose_record(x, RATE, bearing, SHAFT_HZ).faults == ('inner',)
+
+
+@pytest.mark.parametrize('even', [False, True])
+def test_a_place_is_not_named_where_the_shaft_shows_at_the_speed_of_another_place(rng, even):
+    """Also in a stream; even harmonics of a bent shaft show at twice its speed more clearly."""
+    bearing, t = find_bearing('6205'), np.arange(N) / RATE
+    times = np.arange(0.0, SECONDS, 1.0 / (fault_orders(bearing, 0.005).bpfi * SHAFT_HZ))
+    heights = {k: (4.0 if even and k % 2 == 0 else 1.0) / k for k in range(1, 9)}
+    lines = sum(a * np.cos(2.0 * np.pi * k * SHAFT_HZ * t + k) for k, a in heights.items())
+    x = _ringing(rng, times, 3000.0, 1.5) + lines
+    settings = DiagnosisSettings(window=SECONDS)
+    stream = StreamingDiagnoser(bearing, settings).push(0, x, RATE, 1.5 * SHAFT_HZ)
+    for said in (stream[-1], diagnose_record(x, RATE, bearing, 1.5 * SHAFT_HZ)):
+        assert (said.result, said.level) == ('ambiguous', 'fault')
+        assert sorted(said.faults) == ['inner', 'outer']
+        assert any('but at 25.4 Hz' in reason for reason in said.reasons), said.reasons
+    assert diagnose_record(x, RATE, bearing, SHAFT_HZ).faults == ('inner',)
+    # A measured speed is believed.
+    measured = StreamingDiagnoser(bearing, settings)
+    [*_, said] = measured.push(0, x, RATE, 1.5 * SHAFT_HZ, speed_measured=True)
+    assert said.faults == ('outer',)
+
+
+@pytest.mark.parametrize(
+    ('given_hz', 'found'), [(25.0, {}), (37.5, {'one': 25.0, 'two': 50.0}), (50.0, {})]
+)
+def test_a_shaft_that_shares_lines_with_one_as_clear_is_no_other_shaft(given_hz, found):
+    power = np.ones(8001, np.float32)
+    power[100 * np.arange(1, 13)] = 1e4
+    ranges = {'one': (24.0, 26.0), 'half': (36.5, 38.5), 'two': (49.0, 51.0)}
+    known = power, 0.25, given_hz, 0.01, ranges
+    assert shafts_instead_hz(*known, np.empty(0)) == pytest.approx(found, abs=0.05)
+    # Lines of a fault are no shaft's.
+    assert shafts_instead_hz(*known, 25.0 * np.arange(1.0, 13.0)) == {}
 
 
 def test_lines_of_a_named_fault_are_no_other_shaft(rng, monkeypatch):

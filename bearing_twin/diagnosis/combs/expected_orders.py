@@ -7,12 +7,24 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, PLACES
-from bearing_twin.diagnosis.thresholds import JOINT_SLIP, SLIP, SLOW_CAGE, STEADY
+from bearing_twin.diagnosis.thresholds import (
+    HARMONICS,
+    JOINT_SLIP,
+    SLIP,
+    SLOW_CAGE,
+    STEADY,
+    UNLIKELY_SLIP,
+)
 import numpy as np
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.combs.candidate import Candidate
+    from numpy.typing import NDArray
+
+
+_SIDEBANDS = 10
+"""Sidebands of a line on each side: those of a ball's fault are multiples of the cage's lines."""
 
 
 class ExpectedOrders:
@@ -70,3 +82,20 @@ class ExpectedOrders:
         if not self.speed_known or primary.place == 'cage':
             return SLIP
         return primary.slip - JOINT_SLIP, primary.slip + JOINT_SLIP
+
+    def other_speeds(self, comb: Candidate) -> dict[str, tuple[float, float]]:
+        """Return the range of speed, relative to this, at which a comb is of each other place."""
+        ranges = {}
+        for place, (order, slope) in self._of.items():
+            ends = (comb.order / (order + slope * slip) for slip in (SLIP[0], UNLIKELY_SLIP))
+            low, high = sorted(ends)
+            ranges[place] = low, high
+        del ranges[comb.place]
+        return ranges
+
+    def lines(self, comb: Candidate) -> NDArray[np.float64]:
+        """Return the orders of a comb's lines in the spectrum of the signal, with sidebands."""
+        order, slope = self.of('cage')
+        apart = 1.0 if comb.place == 'inner' else order + slope * comb.slip
+        harmonics = comb.order * np.arange(1.0, HARMONICS + 1.0)
+        return np.add.outer(harmonics, apart * np.arange(-_SIDEBANDS, _SIDEBANDS + 1.0)).ravel()

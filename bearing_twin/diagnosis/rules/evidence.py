@@ -106,6 +106,8 @@ class Evidence:
         Returns the share of the power at low multiples of the outer race that is in its lines.
     ball_passages
         Returns the significance of ball impacts in groups.
+    other_shafts
+        Returns speeds at which a comb is of another place and lines of a shaft show, Hz, by place.
 
     """
 
@@ -117,11 +119,12 @@ class Evidence:
         kurtosis: Callable[[], float] = float,
         low_lines: Callable[[], float] = float,
         ball_passages: Callable[[], float] = float,
+        other_shafts: Callable[[Candidate], Mapping[str, float]] = lambda comb: {},
     ) -> None:
         self._combs = combs
         self._harmonics, self._sidebands = combs.harmonics, combs.sidebands
         self._low_lines, self._kurtosis = low_lines, kurtosis
-        self._ball_passages = ball_passages
+        self._ball_passages, self._other_shafts = ball_passages, other_shafts
         self.turns = turns
         self.steps = steps
 
@@ -555,6 +558,11 @@ class Evidence:
     def low_lines(self) -> float:
         """Share of the power at low multiples of the outer race that is in its lines."""
         return self._low_lines()
+
+    @_measured(undisturbed={})
+    def other_shafts(self) -> Mapping[str, float]:
+        """Speeds at which the leading comb is of another place and a shaft shows, Hz."""
+        return self._other_shafts(self.leading)
 
     @_measured(undisturbed=frozenset())
     def fits_shaft(self) -> frozenset[str]:

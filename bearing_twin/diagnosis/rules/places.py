@@ -178,6 +178,19 @@ def weak_modulation(e: Evidence) -> Verdict | None:
     return say(e, *texts, about=e.leading, faults=places, candidates=e.separated)
 
 
+@rule('ambiguous', 'Lines of a shaft show at another speed only, where another place strikes so.')
+def another_shaft(e: Evidence) -> Verdict | None:
+    if not e.other_shafts:
+        return None
+    texts = (
+        f'no lines of a shaft show at {e.shaft_hz:.4g} Hz, but at {hertz:.4g} Hz, and at that '
+        f'speed it is a fault of the {place}: check the speed'
+        for place, hertz in e.other_shafts.items()
+    )
+    places = (e.leading.place, *e.other_shafts)
+    return say(e, *texts, about=e.leading, faults=places, level='fault', candidates=e.separated)
+
+
 @rule('its place', 'The comb is significant, strong, and nothing else explains it.')
 def fault(e: Evidence) -> Verdict | None:
     places = tuple(c.place for c in e.alarms)

@@ -81,6 +81,7 @@ RULES: tuple[Rule, ...] = (
     elsewhere.smooth,
     elsewhere.whole_turns,
     elsewhere.another_cage,
+    places.another_shaft,
     places.fault,
 )
 """All rules in their order; the last one always applies."""

@@ -16,7 +16,7 @@ from bearing_twin.numerics.compiled import compiled
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
     from numpy.typing import NDArray
@@ -167,10 +167,7 @@ def other_shafts_hz(
     []
 
     """
-    low = power[1 : int(_HARMONICS * _FACTOR * given_hz / bin_hz) + 2]
-    logs = np.log1p(low / local_floor(low, max(int(2.0 * given_hz / bin_hz), 32)))
-    grid = np.arange(given_hz / _FACTOR, _FACTOR * given_hz, bin_hz / (2.0 * _HARMONICS))
-    given = np.abs(grid / given_hz - 1.0) <= tolerance + bin_hz / given_hz
+    logs, grid, given = _around(power, bin_hz, given_hz, tolerance)
     found: list[float] = []
     while len(found) < _OTHERS:
         scores = _comb(logs, bin_hz, grid)
@@ -181,10 +178,81 @@ def other_shafts_hz(
         # The middle of a run of equal scores, as in `refine_shaft_hz`.
         row = grid[(scores >= scores[best] - 1e-9) & (np.abs(grid - grid[best]) < bin_hz)]
         found.append(float(np.median(row)))
-        lines = np.arange(found[-1], len(logs) * bin_hz, found[-1]) / bin_hz
-        near = np.rint(lines).astype(np.intp)[:, None] + np.arange(-3, 2)
-        logs[np.clip(near, 0, len(logs) - 1)] = 0.0
+        _silence(logs, bin_hz, np.arange(found[-1], len(logs) * bin_hz, found[-1]))
     return found
+
+
+def shafts_instead_hz(
+    power: NDArray[np.float32],
+    bin_hz: float,
+    given_hz: float,
+    tolerance: float,
+    ranges: Mapping[str, tuple[float, float]],
+    known_hz: NDArray[np.float64],
+) -> dict[str, float]:
+    """
+    Return speeds in some ranges whose lines show while those of the given speed do not.
+
+    Lines of both, such as each third one at 1.5 times the speed, are then of the other shaft.
+
+    Parameters
+    ----------
+    power, bin_hz, given_hz, tolerance
+        As in :func:`other_shafts_hz`.
+    ranges
+        Lowest and highest speed of each range, Hz, by name.
+    known_hz
+        Lines of something else, Hz, shape (n,); they do not count.
+
+    Returns
+    -------
+    Speeds, Hz, by the name of their range; without the ranges that have none.
+
+    >>> power = np.ones(8001, np.float32)
+    >>> power[101 * np.arange(1, 7)] = 1e4
+    >>> known = {'ranges': {'slow': (24.5, 25.5), 'fast': (49.5, 51.5)}, 'known_hz': np.empty(0)}
+    >>> found = shafts_instead_hz(power, 0.25, 37.87, 0.02, **known)
+    >>> list(found), round(found['slow'], 1)
+    (['slow'], 25.2)
+
+    """
+    logs, grid, near = _around(power, bin_hz, given_hz, tolerance)
+    unknown = logs.copy()
+    _silence(unknown, bin_hz, known_hz)
+    combs = _comb(unknown, bin_hz, grid)
+    scores, found = _standardised(combs, combs), {}
+
+    def given(logs: NDArray[np.float32]) -> float:
+        """Return the score of the given speed."""
+        return float(_standardised(_comb(logs, bin_hz, grid[near]), combs).max())
+
+    # Of two shafts that share lines the clearer one has them.
+    least = max(SHAFT_FOUND, given(logs))
+    for name, (low, high) in ranges.items():
+        inside = np.flatnonzero((grid >= low) & (grid <= high) & (scores > least))
+        if not len(inside):
+            continue
+        hertz, rest = float(grid[inside[np.argmax(scores[inside])]]), logs.copy()
+        _silence(rest, bin_hz, np.arange(hertz, len(rest) * bin_hz, hertz))
+        if given(rest) < SHAFT_FOUND:
+            found[name] = hertz
+    return found
+
+
+def _around(
+    power: NDArray[np.float32], bin_hz: float, given_hz: float, tolerance: float
+) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_]]:
+    """Return log spectrum, speeds around a given one, Hz, and which are within its tolerance."""
+    low = power[1 : int(_HARMONICS * _FACTOR * given_hz / bin_hz) + 2]
+    logs = np.log1p(low / local_floor(low, max(int(2.0 * given_hz / bin_hz), 32)))
+    grid = np.arange(given_hz / _FACTOR, _FACTOR * given_hz, bin_hz / (2.0 * _HARMONICS))
+    return logs, grid, np.abs(grid / given_hz - 1.0) <= tolerance + bin_hz / given_hz
+
+
+def _silence(logs: NDArray[np.float32], bin_hz: float, lines_hz: NDArray[np.float64]) -> None:
+    """Remove lines from a log spectrum."""
+    near = np.rint(lines_hz / bin_hz).astype(np.intp)[:, None] + np.arange(-3, 2)
+    logs[np.clip(near, 0, len(logs) - 1)] = 0.0
 
 
 class SpeedProfile(NamedTuple):

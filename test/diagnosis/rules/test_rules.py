@@ -214,6 +214,12 @@ CASES = {
         'suspect',
         ('inner',),
     ),
+    'another_shaft': (
+        Evidence.of(INNER, other_shafts={'outer': 37.4}),
+        'ambiguous',
+        'fault',
+        ('inner', 'outer'),
+    ),
     'fault': (Evidence.of(INNER), 'inner', 'fault', ('inner',)),
 }
 
