@@ -116,7 +116,7 @@ def test_what_was_measured_is_printed_though_another_bench_fails(monkeypatch, ca
 
     monkeypatch.setattr(live, 'measure', fails)
     monkeypatch.setattr(kernel, 'measure', lambda: {'kernel_rtf': 200.0})
-    asked = argparse.Namespace(names=['live', 'kernel'], nodes=False, calibrate=False, json=True)
+    asked = argparse.Namespace(names=['live', 'kernel'], live=False, calibrate=False, json=True)
     assert bench.run(asked) == 1
     told = capsys.readouterr()
     assert json.loads(told.out)['kernel_rtf'] == 200.0

@@ -436,10 +436,10 @@ def test_a_schedule_has_two_readings_at_least(seconds, tmp_path, capsys):
 
 
 @pytest.mark.parametrize('seconds', ['nan', 'inf', '-1', '4', '1e9'])
-def test_a_run_of_the_nodes_has_an_end(seconds, capsys):
-    assert main(['bench', '--nodes', f'--seconds={seconds}']) == 2
+def test_a_live_run_has_an_end(seconds, capsys):
+    assert main(['bench', '--live', f'--seconds={seconds}']) == 2
     said = capsys.readouterr().err
-    assert f'--seconds {float(seconds):g}: a run of the nodes takes 5 to 86400 s' in said
+    assert f'--seconds {float(seconds):g}: a live run takes 5 to 86400 s' in said
 
 
 def test_bench_says_what_a_figure_is(capsys, monkeypatch):

@@ -30,7 +30,7 @@ BENCHES = {
 }
 """Modules of ``bearing_twin.bench``; each has ``measure() -> dict[str, float]``."""
 LONGEST = 86400.0
-"""Longest run of the nodes, s."""
+"""Longest live run, s."""
 
 
 class Figure(NamedTuple):
@@ -97,7 +97,7 @@ FIGURES = {
     'core_share_twin': Figure('cores', 'share of a core of the twin'),
     'core_share_diagnosis': Figure('cores', 'share of a core of the diagnosis'),
     'core_share_recorder': Figure('cores', 'share of a core of the recorder, with Rerun'),
-    'blocks': Figure('', 'blocks published in the run of the nodes'),
+    'blocks': Figure('', 'blocks published in the live run'),
     'fits': Figure('', 'calibrations in that time, in a process of their own', '> 0'),
     'fit_cost_s': Figure('s', 'greatest processor time of a calibration', '< 10'),
     'late_blocks': Figure('', 'blocks that came more than a period late', '0'),
@@ -116,13 +116,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         'names',
         nargs='*',
         metavar='NAME',
-        help='what to measure (default: all but --nodes): '
+        help='what to measure (default: all but --live): '
         + '; '.join(f'{name}: {text}' for name, text in BENCHES.items()),
     )
     parser.add_argument(
-        '--nodes',
+        '--live',
         action='store_true',
-        help='run the nodes of one bearing, with Rerun: core share and lateness',
+        help='run twin, diagnosis, recorder and Rerun as processes: core share and lateness',
     )
     parser.add_argument(
         '--calibrate',
@@ -130,7 +130,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help='the same with a calibration beside them, each 30 s',
     )
     parser.add_argument(
-        '--seconds', type=float, default=60.0, help='length of the run of the nodes (default 60)'
+        '--seconds', type=float, default=60.0, help='length of the live run (default 60)'
     )
     parser.add_argument('--json', action='store_true', help='print the figures as JSON')
 
@@ -141,14 +141,12 @@ def run(args: argparse.Namespace) -> int:
     if unknown:
         msg = f'there is no bench {", ".join(unknown)}; there are {", ".join(BENCHES)}'
         raise UsageError(msg)
-    nodes = args.nodes or args.calibrate
-    if nodes and not 5.0 <= args.seconds <= LONGEST:
-        raise UsageError(
-            f'--seconds {args.seconds:g}: a run of the nodes takes 5 to {LONGEST:g} s'
-        )
+    live = args.live or args.calibrate
+    if live and not 5.0 <= args.seconds <= LONGEST:
+        raise UsageError(f'--seconds {args.seconds:g}: a live run takes 5 to {LONGEST:g} s')
     figures: dict[str, float] = {}
     failed = 0
-    names = args.names or ([] if nodes else list(BENCHES))
+    names = args.names or ([] if live else list(BENCHES))
     for done, name in enumerate(names, start=1):
         _say(args, f'{by_level(name, "bold")} ({done} of {len(names)}): {BENCHES[name]} ...')
         try:
@@ -159,8 +157,8 @@ def run(args: argparse.Namespace) -> int:
             # The figures of the others are kept.
             failed = 1
             print(f'bearing-twin bench {name}: {error}', file=sys.stderr, flush=True)
-    if nodes:
-        _say(args, f'run of the nodes, {args.seconds:g} s ...')
+    if live:
+        _say(args, f'live run of {args.seconds:g} s ...')
         from bearing_twin.bench.end_to_end import live_run
 
         figures |= live_run(
