@@ -4,15 +4,14 @@
 
 from io import BytesIO
 import math
-from pathlib import Path
 import re
+import struct
 from types import SimpleNamespace
 
 from bearing_twin.assets.parameters.twin import SPECS
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.bearing.catalogue import find_bearing
 from bearing_twin.dynamics.equations.load_zone import contact_forces
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.recording.temperature import START
 from bearing_twin.recording.topics import FEATURES
@@ -39,8 +38,6 @@ import rerun as rr
 from rerun.chunk import McapReader, RrdReader
 from scipy.signal import welch
 import yaml
-
-SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
 
 
 @pytest.fixture(scope='module')
@@ -413,22 +410,35 @@ def test_defects_are_drawn_where_their_text_says(tmp_path):
     assert list(times) == [2 * SECOND], 'the mark goes with the defect'
 
 
-def test_a_recording_without_a_bearing_is_left_to_rerun(tmp_path):
+def test_topics_in_other_encodings_are_left_to_rerun(tmp_path):
     path, rrd = tmp_path / 'a.mcap', tmp_path / 'a.rrd'
     with raw_recording(path, profile='') as writer:
         schema = writer.register_schema('Log', 'jsonschema', b'{"type": "object"}')
         channel = writer.register_channel('/levels', 'json', schema)
-        writer.add_message(channel, SECOND, b'{"level": 1}', SECOND)
-    with pytest.raises(BearingTwinError, match=r"nothing of a bearing or a twin.*'rerun FILE\.m"):
-        draw_recordings([path], rrd)
-    assert not rrd.exists()
+        for k in range(5):
+            writer.add_message(channel, SECOND + k, b'{"level": 1}', SECOND + k)
+    assert draw_recordings([path], rrd).keys() == {'/levels'}
+    drawn = [c for c in RrdReader(rrd).stream() if c.entity_path == '/levels']
+    assert 5 in [chunk.num_rows for chunk in drawn]
 
 
-@pytest.mark.parametrize('count', [1, 2])
-def test_a_recording_of_temperatures_alone_is_drawn(tmp_path, count):
-    rrd = tmp_path / 'a.rrd'
-    assert draw_recordings([SCHEDULE] * count, rrd) == {}
-    assert 'Temperature [°C]' in view_names(rrd)
+def test_protobuf_of_others_is_a_table_and_no_complaint(tmp_path):
+    path, rrd = tmp_path / 'a.mcap', tmp_path / 'a.rrd'
+    # A FileDescriptorSet: file m.proto, message Motor with the field 'rpm' of type double.
+    field = b'\x0a\x03rpm\x18\x01\x20\x01\x28\x01'
+    motor = b'\x0a\x05Motor\x12' + bytes([len(field)]) + field
+    file_descriptor = b'\x0a\x07m.proto\x22' + bytes([len(motor)]) + motor + b'\x62\x06proto3'
+    schema_text = b'\x0a' + bytes([len(file_descriptor)]) + file_descriptor
+    with raw_recording(path, profile='') as writer:
+        schema = writer.register_schema('Motor', 'protobuf', schema_text)
+        channel = writer.register_channel('/motor', 'protobuf', schema)
+        for k in range(5):
+            message = b'\x09' + struct.pack('<d', 1500.0 + k)
+            writer.add_message(channel, SECOND + k, message, SECOND + k)
+    assert draw_recordings([path], rrd) == {}
+    chunks = [c for c in RrdReader(rrd).stream() if c.entity_path == '/motor']
+    rows = [row for c in chunks if c.num_rows == 5 for row in c.to_record_batch().to_pylist()]
+    assert [row['Motor:message'][0]['rpm'] for row in rows] == [1500.0 + k for k in range(5)]
 
 
 def test_a_fit_tells_the_defect_first_and_then_what_is_identifiable():

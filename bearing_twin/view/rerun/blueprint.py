@@ -18,6 +18,8 @@ from bearing_twin.view.rerun.views import (
     is_bearing,
     lane_paths,
     lanes_view,
+    lines_view,
+    number_views,
     over_temperature_views,
     panel_views,
     paths_of,
@@ -54,7 +56,7 @@ def layout(
     in front; '': the first.
     """
     bearings = {title: scene for title, scene in scenes.items() if is_bearing(scene)}
-    others = {title: scene for title, scene in scenes.items() if temperature_views(scene)}
+    others = {title: scene for title, scene in scenes.items() if _other_views(scene)}
     besides = {t: s for t, s in bearings.items() if _is_of_twin(s, bearings.values())}
     bearings = {title: scene for title, scene in bearings.items() if title not in besides}
     shown = bearings or others
@@ -99,6 +101,28 @@ def pages_of(blueprint: rrb.Blueprint) -> list[str]:
             found += [part.name] if part.name in PAGES and part.name not in found else []
             left += part.contents
     return found
+
+
+def automatic(
+    scenes: Iterable[Scene], *, timeline: str, lines: Iterable[str], tables: Iterable[str]
+) -> rrb.Blueprint:
+    """
+    Return a blueprint with one view for the numbers of a topic; the viewer adds the rest.
+
+    ``lines`` are topics that Rerun itself draws as time series, ``tables`` topics that it reads
+    but cannot draw.
+    """
+    views = [view for scene in scenes for view in number_views(scene)]
+    views += [lines_view(topic, [f'{topic}/**'], legend=True) for topic in lines]
+    query = rrb.archetypes.DataframeQuery(timeline=timeline)
+    views += [rrb.DataframeView(origin=topic, name=topic, query=query) for topic in tables]
+    return rrb.Blueprint(
+        rrb.Grid(*views),
+        rrb.SelectionPanel(state='collapsed'),
+        rrb.TimePanel(state='collapsed', timeline=timeline),
+        auto_views=True,
+        auto_layout=True,
+    )
 
 
 def _is_of_twin(scene: Scene, bearings: Iterable[Scene]) -> bool:
@@ -219,9 +243,14 @@ def _vibration(scene: Scene, timeline: str, *, name: str) -> View | None:
 
 def _wide(scene: Scene, timeline: str, *, name: str, page: str) -> View:
     if not is_bearing(scene):
-        return rrb.Grid(*temperature_views(scene), name=name)
+        return rrb.Grid(*_other_views(scene), name=name)
     pages = _pages(scene, timeline)
     return rrb.Tabs(*pages, active_tab=_front(pages, page), name=name)
+
+
+def _other_views(scene: Scene) -> list[View]:
+    """Return the views of a scene without a bearing, besides those of its nodes."""
+    return [*temperature_views(scene), *number_views(scene)]
 
 
 def _front(parts: Sequence[View], page: str) -> int:
@@ -231,7 +260,7 @@ def _front(parts: Sequence[View], page: str) -> int:
 
 def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not is_bearing(scene):
-        return rrb.Vertical(*temperature_views(scene), name=title)
+        return rrb.Vertical(*number_views(scene), name=title)
     # Beside card and reasons, which need their height to be read.
     seen = [*bearing_views(scene), *envelope_views(scene)] or spectrum_views(scene)
     beside = [rrb.Vertical(*seen, row_shares=[2.0, 3.0][-len(seen) :])] if seen else []
@@ -255,7 +284,7 @@ def _narrowest(scene: Scene, title: str, timeline: str) -> View:
         *waveform_views(scene, timeline)[:1],
     ]
     shares = [5.6, 3.4, 1.6, 1.4] if len(views) == 4 else None
-    return rrb.Vertical(*(views or temperature_views(scene)), row_shares=shares, name=title)
+    return rrb.Vertical(*(views or number_views(scene)), row_shares=shares, name=title)
 
 
 def _nodes(scenes: Iterable[Scene]) -> list[View]:

@@ -12,13 +12,14 @@ from __future__ import annotations
 from collections import defaultdict
 from functools import partial
 import logging
+import re
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import natural
 from bearing_twin.recording.topics import is_feature
 from bearing_twin.stamps import NANO
-from bearing_twin.view.rerun.blueprint import layout, pages_of
+from bearing_twin.view.rerun.blueprint import automatic, layout, pages_of
 from bearing_twin.view.rerun.outlet import Outlet, release, ServedOutlet
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.scales import Scales
@@ -27,9 +28,10 @@ from bearing_twin.view.rerun.scene import namespace_of, Scene
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.source import Source
 import rerun as rr
+from rerun.chunk import McapReader
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from bearing_twin.view.rerun.outlet import Mark
@@ -75,6 +77,9 @@ class RerunLogger:
     sides
         Recordings that are drawn side by side: the time in ns at which each begins, by its name.
         Time counts from there. ``{'': TIME}`` for one recording without a date.
+    timeline
+        ``'ros_time'`` draws messages at their stamps. Any other name draws them at their arrival
+        and leaves the layout to the viewer.
     page
         Name of the page in front; '': the first.
     scales
@@ -92,6 +97,7 @@ class RerunLogger:
         memory_limit: str = '256MB',
         full_samples: bool = False,
         sides: Mapping[str, int] | None = None,
+        timeline: str = 'ros_time',
         page: str = '',
         scales: Scales | None = None,
     ) -> None:
@@ -124,13 +130,17 @@ class RerunLogger:
         self._full, self._page = full_samples, page
         self._live_file = not footer
         self._scales = scales or Scales()
-        self._timebases = {'': Timebase()}
+        self._timebases = {'': Timebase(timeline)}
         if sides:
-            self._timebases = {side: Timebase(start) for side, start in sides.items()}
+            self._timebases = {
+                side: Timebase('since_start', zero=start) for side, start in sides.items()
+            }
         self._sources: dict[str, defaultdict[str, Source]] = {
             side: defaultdict(Source) for side in self._timebases
         }
         self._scenes: dict[tuple[str, str], Scene] = {}
+        self._native_lines: set[str] = set()
+        self._native_tables: set[str] = set()
         self._views = 0
         self._laid_out: dict[Outlet | ServedOutlet, int] = {}
         self._appeared = self._flushed = self._ticks = 0
@@ -172,6 +182,29 @@ class RerunLogger:
         For callers that log faster than real time and want nothing dropped.
         """
         return self._served is None or self._served.drain(timeout)
+
+    def import_mcap(
+        self, path: Path, topics: Iterable[str], *, lines: Iterable[str], tables: Iterable[str]
+    ) -> str:
+        """
+        Let Rerun draw topics of an MCAP file to the file; return why it cannot, or ''.
+
+        Only ``topics`` are read. Of these Rerun draws ``lines`` as time series, and reads
+        ``tables`` without drawing them.
+        """
+        # Without any pattern Rerun would take all topics.
+        chosen = [f'^{re.escape(topic)}$' for topic in topics]
+        if self._file is None or not chosen:
+            return ''
+        self._native_lines.update(lines)
+        self._native_tables.update(tables)
+        try:
+            reader = McapReader(path, include_topic_regex=chosen, recover=True)
+            self._file.recording.send_chunks(reader.stream())
+        except Exception as error:
+            # Rerun raises many kinds of errors on damaged files.
+            return f'{type(error).__name__}: {error}'
+        return ''
 
     def close(self) -> None:
         """
@@ -229,7 +262,8 @@ class RerunLogger:
             scene.flush(self._complain, slow=slow, last=last)
 
     def _count_views(self) -> int:
-        return sum(len(s.contents) + len(s.asset.panels) for s in self._scenes.values())
+        drawn = sum(len(s.contents) + len(s.asset.panels) for s in self._scenes.values())
+        return drawn + len(self._native_tables)
 
     def _settle(self, time_ns: int) -> None:
         """Lay out new topics when no other has followed for a while."""
@@ -253,7 +287,16 @@ class RerunLogger:
         # Live they are known in the order in which they are heard.
         keys = self._scenes if beside else sorted(self._scenes, key=lambda key: natural(key[1]))
         titles = {' '.join(filter(None, key)) or '/': self._scenes[key] for key in keys}
-        blueprint = layout(titles, timeline=base.timeline, side_by_side=beside, page=self._page)
+        blueprint = (
+            layout(titles, timeline=base.timeline, side_by_side=beside, page=self._page)
+            if base.stamped
+            else automatic(
+                self._scenes.values(),
+                timeline=base.timeline,
+                lines=sorted(self._native_lines),
+                tables=sorted(self._native_tables),
+            )
+        )
         self.pages = pages_of(blueprint)
 
         def mark(recording: rr.RecordingStream) -> None:

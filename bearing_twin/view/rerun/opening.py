@@ -8,6 +8,7 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.recording.mcap.schema import store_from_text
 from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.temperature import is_undated
 from bearing_twin.recording.topics import CHECKPOINT, LOG, TEXT, VIBRATION
@@ -18,14 +19,29 @@ from bearing_twin.view.rerun.scene import PICTURES
 from bearing_twin.view.style import PAGES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
     from pathlib import Path
 
-    from bearing_twin.recording.reader import RecordingInfo
+    from bearing_twin.recording.reader import RecordingInfo, TopicInfo
 
 
+ARRIVAL = 'message_log_time'
+"""Timeline that Rerun gives every message of an MCAP file."""
 LATCHED_TYPES = frozenset({CHECKPOINT, LOG, TEXT})
 """Message types that stay valid: they are drawn even if sent before the vibration."""
+OWN = frozenset(name for name in PICTURES if name.startswith('bearing_twin_msgs/'))
+SERIES = frozenset(
+    {
+        *('Imu', 'JointState', 'Joy', 'FluidPressure', 'RelativeHumidity', 'Illuminance'),
+        *('Range', 'BatteryState', 'Float64MultiArray', 'Temperature'),
+    }
+)
+"""Message types that Rerun draws by itself as time series."""
+NATIVE = SERIES | {
+    *('Image', 'CompressedImage', 'CompressedVideo', 'CameraInfo', 'PointCloud2', 'NavSatFix'),
+    *('MagneticField', 'TFMessage', 'PoseStamped', 'OccupancyGrid', 'String', 'Log'),
+}
+"""Message types that Rerun draws by itself."""
 LONG = 180.0
 """Recordings up to this length are drawn sample by sample, s."""
 
@@ -62,19 +78,17 @@ def draw_recordings(
     Raises
     ------
     BearingTwinError
-        If a recording cannot be read or holds nothing that is drawn, or if there is no such page.
+        If a recording cannot be read or holds no message, or if there is no such page.
 
     """
     infos = [recording_info(path) for path in paths]
     for info in infos:
         if not info.count:
             raise BearingTwinError(f'{info.path} holds no message')
-        if not _drawn(info):
-            raise BearingTwinError(
-                f'{info.path} holds nothing of a bearing or a twin; Rerun draws other recordings: '
-                "'rerun FILE.mcap'"
-            )
-    types = {info.topics[name].type_name for info in infos for name in _drawn(info)}
+    if len(paths) == 1 and not OWN & {topic.type_name for topic in infos[0].topics.values()}:
+        _check_page(page, [])
+        return _draw_foreign(infos[0], rrd, progress)
+    types = {topic.type_name for info in infos for topic in info.topics.values() if topic.count}
     possible = [name for name, needed in PAGES.items() if needed & types]
     _check_page(page, possible)
     names = [''] if len(paths) == 1 else _names(paths)
@@ -100,14 +114,47 @@ def draw_recordings(
 
 def _check_page(page: str, pages: Sequence[str]) -> None:
     if page and page not in pages:
-        raise BearingTwinError(
-            f'nothing is there to show on the page {page}; the pages are {", ".join(pages)}'
-        )
+        there = f'the pages are {", ".join(pages)}' if pages else 'there are no pages'
+        raise BearingTwinError(f'nothing is there to show on the page {page}; {there}')
 
 
-def _drawn(info: RecordingInfo) -> set[str]:
-    """Return the topics that are drawn."""
-    return {n for n, topic in info.topics.items() if topic.count and topic.type_name in PICTURES}
+def _draw_foreign(
+    info: RecordingInfo, rrd: Path, progress: Callable[[float], None] | None
+) -> dict[str, str]:
+    """Draw other recordings: Rerun draws the types it knows, we the numbers of all others."""
+    readable = {name: topic for name, topic in info.topics.items() if _is_readable(topic)}
+    # Rerun reads every protobuf message but draws only a few.
+    tables = {n for n, t in readable.items() if {e for _, e, _ in t.schemas} == {'protobuf'}}
+    known = {
+        name: topic.type_name.split('/')[-1]
+        for name, topic in readable.items()
+        if all(encoding == 'ros2msg' for _, encoding, _ in topic.schemas)
+    }
+    natively = tables | {name for name, kind in known.items() if kind in NATIVE}
+    lines = [name for name, kind in known.items() if kind in SERIES]
+    problems: dict[str, str] = {}
+    with RerunLogger(
+        recording_id=info.path.resolve().stem, rrd=rrd, timeline=ARRIVAL, full_samples=True
+    ) as logger:
+        for path in info.files:
+            reason = logger.import_mcap(path, readable, lines=lines, tables=tables)
+            if reason:
+                problems[str(path)] = reason
+        ours = info.topics.keys() - natively
+        problems |= _draw(logger, '', info, _part(progress, 0, 1), topics=ours)
+    if progress is not None:
+        progress(1.0)
+    return problems | logger.problems
+
+
+def _is_readable(topic: TopicInfo) -> bool:
+    """Whether Rerun can read it: a .msg that contains itself ends Rerun with a stack overflow."""
+    with contextlib.suppress(BearingTwinError):
+        for type_name, encoding, text in topic.schemas:
+            if encoding == 'ros2msg':
+                store_from_text(type_name, text)
+        return True
+    return False
 
 
 def _draw(
@@ -116,11 +163,15 @@ def _draw(
     info: RecordingInfo,
     progress: Callable[[float], None],
     *,
-    begin: int,
+    topics: Collection[str] | None = None,
+    begin: int = 0,
 ) -> dict[str, str]:
     unread = {str(info.path): '; '.join(info.problems)} if info.problems else {}
     span = max(1, info.end - info.start)
-    messages = read_messages(info.path, topics=_drawn(info), recover=True, problems=[])
+    if topics is not None and not topics:
+        # Nothing is left to draw, and reading costs seconds for each GB of unpacked data.
+        return unread
+    messages = read_messages(info.path, topics=topics, recover=True, problems=[])
     for count, message in enumerate(messages):
         if message.log_time < begin and message.type_name not in LATCHED_TYPES:
             continue

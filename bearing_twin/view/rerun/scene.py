@@ -9,6 +9,7 @@ from typing import Any, TYPE_CHECKING
 from bearing_twin.recording import topics
 from bearing_twin.view.rerun.canvas import Canvas
 from bearing_twin.view.rerun.pictures.calibration import CalibrationPicture
+from bearing_twin.view.rerun.pictures.generic import AnyPicture
 from bearing_twin.view.rerun.pictures.lanes import HealthPicture
 from bearing_twin.view.rerun.pictures.spectra import SpectrumBars
 from bearing_twin.view.rerun.pictures.temperature import TemperaturePicture
@@ -37,7 +38,17 @@ PICTURES: dict[str, type[Picture]] = {
     topics.LOG: LogPicture,
     topics.TEXT: TextPicture,
 }
-"""Picture by message type; other types are not drawn."""
+"""Picture by message type; every other type is drawn as numbers and arrays."""
+
+SILENT = frozenset(
+    {
+        'rcl_interfaces/msg/ParameterEvent',
+        'lifecycle_msgs/msg/TransitionEvent',
+        'rosgraph_msgs/msg/Clock',
+        'tf2_msgs/msg/TFMessage',
+    }
+)
+"""Message types that are not drawn."""
 
 
 def namespace_of(topic: str) -> tuple[str, str]:
@@ -61,12 +72,12 @@ class Scene:
 
     def draw(self, name: str, type_name: str, message: Any, received: int) -> None:
         """Draw a message of a topic; ``received`` in ns."""
-        if type_name not in PICTURES:
+        if type_name in SILENT:
             return
         picture = self._pictures.get((name, type_name))
         if picture is None:
             canvas = Canvas(self._emit, f'{self.root}/{name}', self._timebase)
-            picture = PICTURES[type_name](canvas, self.asset)
+            picture = PICTURES.get(type_name, AnyPicture)(canvas, self.asset)
             self._pictures[name, type_name] = picture
             if isinstance(picture, Waveform):
                 self._tell_apart(picture, name)

@@ -33,6 +33,9 @@ class Timebase:
 
     Parameters
     ----------
+    timeline
+        Name of the timeline. ``'ros_time'`` and ``'since_start'`` follow the stamps, any other the
+        arrival.
     zero
         Time in ns that is drawn as 0, for recordings of different days side by side; None: times
         are dates.
@@ -46,9 +49,9 @@ class Timebase:
 
     """
 
-    def __init__(self, zero: int | None = None) -> None:
-        self.timeline = 'ros_time' if zero is None else 'since_start'
-        """Name of the timeline."""
+    def __init__(self, timeline: str = 'ros_time', zero: int | None = None) -> None:
+        self.timeline = timeline
+        self.stamped = timeline in ('ros_time', 'since_start')
         self._zero = zero
         self._offsets: list[int] = []
         self._times: NDArray[np.int64] | None = None
@@ -56,7 +59,7 @@ class Timebase:
 
     def of(self, message: Any, received: int) -> int:
         """Return the time in ns at which a message is drawn."""
-        stamp = stamp_of(message)
+        stamp = stamp_of(message) if self.stamped else None
         if stamp is None:
             return received
         distance = received - stamp

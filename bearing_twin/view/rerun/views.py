@@ -62,6 +62,7 @@ def lines_view(
     contents: Sequence[str],
     *,
     window: rrb.VisibleTimeRange | None = None,
+    legend: bool = False,
     span: tuple[float, float] | None = None,
 ) -> rrb.TimeSeriesView:
     """Return a view of lines over time."""
@@ -71,7 +72,7 @@ def lines_view(
         name=name,
         axis_x=rrb.TimeAxis(link=rrb.components.LinkAxis.Independent) if window else _all_time(),
         axis_y=rrb.ScalarAxis(range=span) if span else None,
-        plot_legend=rrb.PlotLegend(visible=False),
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
         time_ranges=[window] if window else None,
     )
 
@@ -277,4 +278,11 @@ def difference_views(scene: Scene) -> list[View]:
         _bars('Machine over twin [dB over Hz]', f'{path}/difference')
         for path in paths_of(scene, 'calibration')
         if 'fitted_spectrum' in scene.asset.panels
+    ]
+
+
+def number_views(scene: Scene) -> list[View]:
+    """Return views of the numbers of other topics."""
+    return [
+        lines_view(path, [f'{path}/fields/**'], legend=True) for path in paths_of(scene, 'numbers')
     ]
