@@ -61,7 +61,7 @@ def push(stream, *block):
 
 @pytest.mark.parametrize('cycle', [0.0, 10.0])
 def test_a_stream_goes_on_after_a_block_that_is_none(cycle):
-    settings = DiagnosisSettings(window=1.0, series_cycle=cycle)
+    settings = DiagnosisSettings(window=1.0, memory=1.0, series_cycle=cycle)
     one, other = stream(settings), stream(settings)
     good = noise(0.7, 1), noise(0.7, 2)
     assert push(one, 0, good[0], RATE, 25.0) == push(other, 0, good[0], RATE, 25.0)

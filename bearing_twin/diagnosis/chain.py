@@ -135,6 +135,8 @@ class Excerpt:
     """Frame and axis, with ' simulated' if a twin makes the samples."""
     notes: tuple[str, ...] = ()
     """Events of the stream since the previous excerpt."""
+    run: int = 0
+    """Number of the uninterrupted run of samples that holds the excerpt."""
     time: float = math.nan
     """Time of a snapshot of a series, s."""
     left_over: int = 0
@@ -258,8 +260,9 @@ class Excerpt:
         )
         windows = [self._window(piece * count, count, layout) for piece in range(self.pieces)]
         analysis = Analysis(self, mean_hz, windows[-1], tuple(w.orders for w in windows[:-1]))
-        # Decided here, because this may run in another thread, and not when it is asked for.
-        _ = analysis.alone
+        if not self.settings.averages:
+            # Decided here, because this may run in another thread, and not when it is asked for.
+            _ = analysis.alone
         return analysis
 
     def severity(self, shaft_hz: float) -> Severity | None:
@@ -312,7 +315,7 @@ def _together(stretches: Sequence[Stretch]) -> SpeedProfile:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Analysis of the samples of an excerpt."""
+    """Analysis of the samples of an excerpt, without earlier windows."""
 
     excerpt: Excerpt
     shaft_hz: float
@@ -323,6 +326,11 @@ class Analysis:
     """Spectra of the earlier windows of the excerpt, oldest first."""
     refused: tuple[str, ...] = ()
     """Why the record gate refused the excerpt."""
+
+    @cached_property
+    def alone(self) -> Diagnosis:
+        """Diagnosis from these samples alone."""
+        return self.conclude(())
 
     def may_show(self, hertz: float, clearest: float) -> bool:
         """
@@ -346,9 +354,8 @@ class Analysis:
 
         return any(shows(combs.best(place)) for place in PLACES)
 
-    @cached_property
-    def alone(self) -> Diagnosis:
-        """Diagnosis from these samples alone."""
+    def conclude(self, earlier: Sequence[OrderSpectra]) -> Diagnosis:
+        """Return the diagnosis from these samples and spectra of earlier windows, oldest first."""
         excerpt, window = self.excerpt, self.window
         taken: dict[str, Any] = {
             'first_sample': excerpt.first_sample,
@@ -365,7 +372,7 @@ class Analysis:
                 unit=excerpt.unit,
                 severity=excerpt.severity(self.shaft_hz),
             )
-        verdict, speed = self._verdict([*self.before, window.orders], window)
+        verdict, speed = self._verdict([*earlier, *self.before, window.orders], window)
         severity, shaft_hz = window.severity, speed.shaft_hz
         smallest = math.nan
         if excerpt.simulated:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 import functools
 
+from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 
 LONGEST_WINDOW = 60.0
@@ -45,6 +46,9 @@ class DiagnosisSettings:
         '', "Unit of the samples, 'm/s^2' or 'g'; '' to believe the message.",
         choices=('', 'm/s^2', 'g'),
     )  # fmt: skip
+    memory: float = quantity(
+        8.0, 'Span over which windows are averaged; at least the window.', 's', 1.0, 600.0
+    )
     hold_updates: int = quantity(
         3,
         'Verdicts in a row before a level rises or an answer changes; the least before it falls.',
@@ -85,6 +89,11 @@ class DiagnosisSettings:
         1e8,
     )
 
+    @property
+    def averages(self) -> bool:
+        """Whether the memory holds an earlier window, so that windows can be averaged."""
+        return self.memory >= 2.0 * self.window
+
     @functools.cached_property
     def measured(self) -> DiagnosisSettings:
         """Return the same settings for a speed that is measured with the samples."""
@@ -108,3 +117,6 @@ class DiagnosisSettings:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.memory < self.window:
+            msg = f'memory={self.memory} s is shorter than window={self.window} s; make it longer'
+            raise BearingTwinError(msg)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.bearing import check_geometry
 from bearing_twin.diagnosis.chain import Excerpt, is_simulated, Stretch
+from bearing_twin.diagnosis.combs.comb import OrderSpectra
 from bearing_twin.diagnosis.machine.held import Pace
 from bearing_twin.diagnosis.machine.trend import Source, Trend
 from bearing_twin.diagnosis.record import at_other_speeds, WINDOW_TURNS
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-_VERSION = 24
+_VERSION = 23
 _MOST_PARTS = 64
 _ROUNDED = 5e-4
 """Largest relative rounding of the time between updates."""
@@ -191,6 +192,8 @@ class StreamingDiagnoser:
         check_geometry(bearing)
         self._bearing = bearing
         self._settings = settings or DiagnosisSettings()
+        self._earlier: deque[tuple[int, OrderSpectra]] = deque()
+        self._judged = self._run = 0
         self.other_source = ''
         """Why the last window is of another source than baseline and trend; '' if it is not."""
         self._trend, self._guest = Trend(), Trend()
@@ -343,15 +346,27 @@ class StreamingDiagnoser:
         return f'{self._note}{more}'
 
     def judge(self, analysis: Analysis) -> Diagnosis:
-        """Return the diagnosis of a window, with the level that earlier verdicts hold."""
+        """Return the diagnosis of a window together with earlier windows and verdicts."""
         excerpt, window = analysis.excerpt, analysis.window
         settings = excerpt.settings
-        full = excerpt.sample_count == Cut.of(settings, excerpt.sample_rate).samples
+        wanted = Cut.of(settings, excerpt.sample_rate).samples
+        full = excerpt.sample_count == wanted
+        if excerpt.run != self._judged:
+            self._judged = excerpt.run
+            self._earlier.clear()
         source = Source(excerpt.sensor, excerpt.bearing.name, excerpt.unit, excerpt.sample_rate)
         self.other_source = ''
         if not self._trend.takes(source):
             self.other_source = f'baseline and trend are of {self._trend.source}, this is {source}'
-        found, trend = analysis.alone, self._trend
+        earlier: list[OrderSpectra] = []
+        if window is not None:
+            # Windows at another speed may have other bands.
+            bands = window.orders.carrier.shape
+            earlier = [w for w in self._before(excerpt, wanted) if w.carrier.shape == bands]
+            if full and settings.averages:
+                self._earlier.append((excerpt.end, window.orders))
+        found = analysis.conclude(earlier) if earlier else analysis.alone
+        trend = self._trend
         if self.other_source:
             found = replace(found, reasons=(*found.reasons, self.other_source))
             if not self._guest.takes(source):
@@ -361,6 +376,7 @@ class StreamingDiagnoser:
             found = _looked_at(found, analysis)
             rises = trend.held.would_rise(found.level)
             self._pause = LOOK_EVERY if rises else min(2 * self._pause, LOOK_SELDOM)
+        span = settings.memory if settings.averages else settings.window
         shown = trend.update(
             found,
             source,
@@ -368,7 +384,7 @@ class StreamingDiagnoser:
             pace=Pace(
                 updates=settings.hold_updates,
                 interval=settings.update_interval,
-                span=max(settings.window, settings.update_interval),
+                span=max(span, settings.update_interval),
                 longest=settings.longest_hold,
                 simulated=excerpt.simulated,
                 window=settings.window,
@@ -380,7 +396,13 @@ class StreamingDiagnoser:
         return shown
 
     def save(self) -> bytes:
-        """Return the state to keep over a restart: baseline and held level."""
+        """Return the state to keep over a restart: baseline, held level and averaged windows."""
+        arrays = {}
+        earlier = self._earlier if self._judged == self._run else ()
+        for number, (_, orders) in enumerate(earlier):
+            arrays[f'logs{number}'] = orders.logs
+            arrays[f'excess{number}'] = orders.excess
+            arrays[f'carrier{number}'] = orders.carrier
         values = {
             'trend': self._trend.values(),
             'guest': self._guest.values(),
@@ -389,8 +411,9 @@ class StreamingDiagnoser:
             'next': self._next,
             'note': [self._note, self._noted, self._restarts],
             'look': [self._pause, self._unseen, self._asked],
+            'earlier': [(end, orders.step, orders.given) for end, orders in earlier],
         }
-        return pack(_VERSION, values, {})
+        return pack(_VERSION, values, arrays)
 
     def load(self, data: bytes) -> None:
         """
@@ -406,9 +429,22 @@ class StreamingDiagnoser:
             If the bytes are no such state. The present state is unchanged then.
 
         """
-        values, _ = unpack(data, _VERSION)
+        values, arrays = unpack(data, _VERSION)
         try:
             rate = math.nan if values['sample_rate'] is None else float(values['sample_rate'])
+            earlier = deque(
+                (
+                    int(end),
+                    OrderSpectra(
+                        float(step),
+                        arrays[f'logs{n}'],
+                        arrays[f'excess{n}'],
+                        arrays[f'carrier{n}'],
+                        float(given),
+                    ),
+                )
+                for n, (end, step, given) in enumerate(values['earlier'])
+            )
             start, following = int(values['start']), int(values['next'])
             note, noted, restarts = values['note']
             pause, unseen, asked = map(int, values['look'])
@@ -425,6 +461,7 @@ class StreamingDiagnoser:
             self._clear(following)
             # Windows start anew here; the saved ones began earlier.
             self._began = start
+        self._judged, self._earlier = self._run, earlier
         self._note, self._noted, self._restarts = str(note), int(noted), int(restarts)
         self._trend, self._guest = trend, guest
         self._pause, self._unseen, self._asked = pause, unseen, bool(asked)
@@ -459,6 +496,7 @@ class StreamingDiagnoser:
         self._clear(first_sample)
 
     def _clear(self, first_sample: int) -> None:
+        self._run += 1
         self._start = self._next = first_sample
         self._began = first_sample
         self._stretches: deque[Stretch] = deque()
@@ -527,6 +565,7 @@ class StreamingDiagnoser:
             unit=unit,
             sensor=sensor,
             notes=(note,) if note else (),
+            run=self._run,
         )
 
     def _looks(self, found: Diagnosis, analysis: Analysis) -> bool:
@@ -546,6 +585,19 @@ class StreamingDiagnoser:
             return False
         self._unseen = 0
         return True
+
+    def _before(self, excerpt: Excerpt, wanted: int) -> list[OrderSpectra]:
+        """Return the windows to average with an excerpt, oldest first; drop those too old."""
+        oldest = excerpt.end - round(excerpt.settings.memory * excerpt.sample_rate)
+        while self._earlier and self._earlier[0][0] - wanted < oldest:
+            self._earlier.popleft()
+        # Only windows that overlap neither this one nor each other add evidence.
+        windows, limit = [], excerpt.first_sample
+        for end, orders in reversed(self._earlier):
+            if end <= limit:
+                windows.append(orders)
+                limit = end - wanted
+        return windows[::-1]
 
 
 def _is_nominal(excerpt: Excerpt) -> bool:

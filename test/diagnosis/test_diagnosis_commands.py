@@ -357,7 +357,7 @@ def test_each_setting_is_an_option_or_left_out_on_purpose():
     # Those of a sliding window and of a series, which a whole record has not; a speed in a file
     # has its own.
     left_out = {
-        'window', 'update_interval', 'hold_updates', 'baseline_windows',
+        'window', 'update_interval', 'memory', 'hold_updates', 'baseline_windows',
         'measured_speed_tolerance', 'series_cycle', 'longest_hold', 'series_snapshot',
     }  # fmt: skip
     assert {quantity.name for quantity in fields(DiagnosisSettings)} - options == left_out

@@ -284,7 +284,7 @@ def test_at_an_exact_speed_the_answer_does_not_depend_on_the_lines_of_the_shaft(
     window = analysis.window
     assert window.speed.shaft_hz == 25.0
     clear = replace(window, speed=window.speed._replace(score=20.0, spread=0.0))
-    one, other = (replace(analysis, window=each).alone for each in (window, clear))
+    one, other = (replace(analysis, window=each).conclude(()) for each in (window, clear))
     assert (one.result, one.score, one.trust) == (other.result, other.score, other.trust)
     assert (one.reasons, one.confidence) == (other.reasons, other.confidence)
 

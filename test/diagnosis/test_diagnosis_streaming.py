@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 
 BEARING = find_bearing('6307')
-SHORT = DiagnosisSettings(window=2.0, baseline_windows=3, hold_updates=2)
+SHORT = DiagnosisSettings(window=2.0, memory=4.0, baseline_windows=3, hold_updates=2)
 
 
 def _push(diagnoser, x, first=0, block=1024, shaft_hz=SHAFT_HZ, **kwargs):
@@ -55,7 +55,7 @@ def test_same_pushes_same_bits_and_blocks_do_not_matter():
     assert len(first) == 5
 
 
-@pytest.mark.parametrize('window', [2.5, 8.0, 20.0])
+@pytest.mark.parametrize('window', [2.5, 8.0])
 @pytest.mark.parametrize('rate', [6667.0, 12_801.0, 25_601.2, 48_828.0, 97_657.0])
 def test_a_rate_of_few_divisors_has_as_few_envelope_points_as_others(rate, window):
     cut = Cut.of(DiagnosisSettings(window=window), rate)
@@ -99,7 +99,7 @@ def test_a_loaded_state_knows_on_which_samples_a_window_rests():
 
 def test_full_window_equals_the_record():
     x = fault_signal(4.0)
-    streamed = _push(StreamingDiagnoser(BEARING, DiagnosisSettings(window=4.0)), x)[-1]
+    streamed = _push(StreamingDiagnoser(BEARING, DiagnosisSettings(window=4.0, memory=4.0)), x)[-1]
     whole = diagnose_record(x, RATE, BEARING, SHAFT_HZ)
     assert streamed.result == whole.result == 'inner'
     assert streamed.score == whole.score
@@ -312,7 +312,7 @@ def test_the_level_follows_after_as_many_equal_verdicts_as_it_is_held(hold):
 
 
 def test_windows_may_be_analysed_in_any_order_and_are_judged_in_theirs():
-    """With restarts between them, as an offline run has them."""
+    """Restarts between them, as an offline run has them: each run has a memory of its own."""
     x = fault_signal(7.0)
     parts = [(0, x), (len(x) + 10, x[::-1]), (0, x[: int(5 * RATE)])]
     plain, late = StreamingDiagnoser(BEARING, SHORT), StreamingDiagnoser(BEARING, SHORT)
@@ -401,7 +401,7 @@ def test_a_state_of_another_version_is_refused_with_what_differs_and_changes_not
 
 
 @pytest.mark.parametrize(
-    'wrong', [{'window': 0.0}, {'speed_tolerance': 0.5}, {'mounting': 'soft'}]
+    'wrong', [{'window': 0.0}, {'memory': 1.0}, {'speed_tolerance': 0.5}, {'mounting': 'soft'}]
 )
 def test_settings_are_checked(wrong):
     with pytest.raises(BearingTwinError):

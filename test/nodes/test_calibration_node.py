@@ -470,7 +470,7 @@ def test_a_hidden_twin_with_a_defect_is_fitted_while_no_block_is_lost(nodes, pro
     verdicts = probe.collect(Diagnosis, '/diagnosis')
     found = probe.collect(Calibration, '/calibration')
     probe.watch_diagnostics()
-    nodes.start('diagnosis', {'window': 4.0, 'update_interval': 1.0})
+    nodes.start('diagnosis', {'window': 4.0, 'memory': 4.0, 'update_interval': 1.0})
     nodes.start('calibration', {'window': 4.0, 'period': 2.0, 'candidates': 64})
     hidden = {'preset': 'incipient', 'defect': 'outer', 'defect_width': 0.002, 'noise': 0.2}
     nodes.start('twin', hidden | DEEP)

@@ -53,7 +53,7 @@ def with_other_digits(body: bytes, rng: random.Random) -> bytes:
 
 
 def attack(count: int, seed: int, seconds: float = math.inf) -> None:
-    settings = DiagnosisSettings(window=1.0, update_interval=0.5)
+    settings = DiagnosisSettings(window=1.0, memory=1.0, update_interval=0.5)
     simulator = Simulator(preset('incipient', defect='outer'))
     simulator.advance(1024, 40.0, 25.4)
     diagnoser = StreamingDiagnoser(find_bearing('6307'), settings)

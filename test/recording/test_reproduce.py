@@ -682,7 +682,7 @@ def test_a_recording_begun_within_a_run(schedule: Path, tmp_path: Path) -> None:
 def test_windows_that_do_not_touch_are_made_again_from_a_checkpoint_between_them(
     tmp_path: Path,
 ) -> None:
-    seldom = {'shaft_hz': 25.3, 'window': 2.0, 'update_interval': 7.0}
+    seldom = {'shaft_hz': 25.3, 'window': 2.0, 'memory': 2.0, 'update_interval': 7.0}
     simulator = Simulator(preset('incipient', defect='inner'))
     run = DiagnosisRun(read_values(SPECS, seldom))
     record(tmp_path / 'run', run, simulator, dict.fromkeys(range(1250), math.nan))

@@ -85,7 +85,7 @@ def find_hidden(logs: Path, environment: Mapping[str, str], say: Callable[[str],
         watcher.listen(Diagnosis, '/machine/diagnosis', on_verdict)
         watcher.listen(DiagnosticArray, '/diagnostics', on_health)
         there = ('-r', '__ns:=/machine')
-        window = {'window': 4.0, 'update_interval': 1.0}
+        window = {'window': 4.0, 'memory': 4.0, 'update_interval': 1.0}
         nodes.start('diagnosis', speed | window, name='machine_diagnosis', ros=there)
         nodes.start('calibration', speed | {'period': 5.0}, name='calibration', ros=there)
         follower = known | {'preset': HIDDEN['preset'], 'follow_calibration': True}

@@ -128,7 +128,7 @@ def test_a_loud_machine_with_a_named_place_is_looked_at_now_until_it_is_stopped(
 
 def test_a_worn_out_machine_is_a_fault_of_unknown_place_over_its_own_baseline():
     """Healthy noise, then the same noise 13 dB higher: no comb, but no health either."""
-    settings = DiagnosisSettings(window=2.0, baseline_windows=3, hold_updates=2)
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=3, hold_updates=2)
     diagnoser = StreamingDiagnoser(find_bearing('6307'), settings)
     quiet = np.random.default_rng(3).standard_normal(int(6 * RATE))
     first = diagnoser.push(0, quiet, RATE, 25.0)
@@ -394,7 +394,7 @@ def _windows(diagnoser, impacts, count):
 
 
 def test_a_machine_that_is_faulty_from_the_start_is_not_its_own_baseline():
-    settings = DiagnosisSettings(window=2.0, baseline_windows=5, hold_updates=2)
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
     diagnoser = StreamingDiagnoser(BEARING, settings)
     # Two healthy windows now and then do not end the alarm for good, nor make a baseline.
     said = _windows(diagnoser, lambda n: n % 12 < 9, 60)
@@ -404,7 +404,7 @@ def test_a_machine_that_is_faulty_from_the_start_is_not_its_own_baseline():
 
 
 def test_a_baseline_learnt_beside_doubtful_windows_says_so():
-    settings = DiagnosisSettings(window=2.0, baseline_windows=5, hold_updates=2)
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
     diagnoser = StreamingDiagnoser(BEARING, settings)
     said = _windows(diagnoser, lambda n: n < 10, 25)
     assert math.isfinite(said[-1].severity.level_over_baseline)
@@ -417,7 +417,7 @@ def test_a_baseline_learnt_beside_doubtful_windows_says_so():
 @pytest.mark.parametrize('at', [25_590, 20_000, 25_599])
 def test_a_broken_sample_spoils_its_own_windows_only(at):
     """The first segment of a window laps over the samples before it, which may be broken."""
-    diagnoser = StreamingDiagnoser(BEARING, DiagnosisSettings(window=2.0))
+    diagnoser = StreamingDiagnoser(BEARING, DiagnosisSettings(window=2.0, memory=2.0))
     x = np.random.default_rng(5).standard_normal(int(5 * RATE))
     x[at] = math.nan
     told = [d.result for d in diagnoser.push(0, x, RATE, 25.0)]
@@ -465,7 +465,7 @@ def test_a_temperature_that_creeps_is_waited_for_half_an_hour_at_any_rate_of_upd
 
 def test_a_sway_below_the_vibration_is_no_level_of_the_machine():
     """2 m/s^2 at 0.5 Hz beside a vibration of 0.2 m/s^2: a vessel, a vehicle, a drift."""
-    settings = DiagnosisSettings(window=2.0, baseline_windows=5, hold_updates=2)
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
     t = np.arange(int(20 * RATE)) / RATE
     x = 0.2 * np.random.default_rng(8).standard_normal(len(t))
     x += 2.0 * np.sin(np.pi * t) * (t >= 10.0)
@@ -477,7 +477,7 @@ def test_a_sway_below_the_vibration_is_no_level_of_the_machine():
 
 def test_an_alarm_stands_where_the_machine_becomes_too_loud_for_its_sensor():
     """Healthy, an inner race fault, then ten times as loud, so that it is clipped."""
-    settings = DiagnosisSettings(window=2.0, baseline_windows=5, hold_updates=2)
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
     x = np.random.default_rng(7).standard_normal(int(24 * RATE))
     gap = RATE / (fault_orders(BEARING).bpfi * 25.0)
     x[np.arange(10.0 * RATE, len(x), gap).astype(int)] += 15.0
@@ -493,7 +493,7 @@ def test_an_alarm_stands_where_the_machine_becomes_too_loud_for_its_sensor():
 
 
 def test_a_band_in_which_bearings_ring_counts_below_a_high_line():
-    settings = DiagnosisSettings(window=2.0, baseline_windows=5, hold_updates=2)
+    settings = DiagnosisSettings(window=2.0, memory=2.0, baseline_windows=5, hold_updates=2)
     t = np.arange(int(20 * RATE)) / RATE
     rng = np.random.default_rng(8)
     sections = signal.butter(4, (2000.0, 4000.0), 'bandpass', fs=RATE, output='sos')
