@@ -217,24 +217,29 @@ def shafts_instead_hz(
 
     """
     logs, grid, near = _around(power, bin_hz, given_hz, tolerance)
-    unknown = logs.copy()
+    unknown, given = logs.copy(), grid[near]
     _silence(unknown, bin_hz, known_hz)
-    combs = _comb(unknown, bin_hz, grid)
-    scores, found = _standardised(combs, combs), {}
-
-    def given(logs: NDArray[np.float32]) -> float:
-        """Return the score of the given speed."""
-        return float(_standardised(_comb(logs, bin_hz, grid[near]), combs).max())
-
     # Of two shafts that share lines the clearer one has them.
-    least = max(SHAFT_FOUND, given(logs))
+    least = _comb(logs, bin_hz, given).max()
+    clearer = {}
     for name, (low, high) in ranges.items():
-        inside = np.flatnonzero((grid >= low) & (grid <= high) & (scores > least))
-        if not len(inside):
-            continue
-        hertz, rest = float(grid[inside[np.argmax(scores[inside])]]), logs.copy()
+        inside = grid[(grid >= low) & (grid <= high)]
+        combs = _comb(unknown, bin_hz, inside)
+        if len(combs) and combs.max() > least:
+            clearer[name] = float(inside[np.argmax(combs)])
+    if not clearer:
+        return {}
+    null = _comb(unknown, bin_hz, grid)
+
+    def shows(logs: NDArray[np.float32], hertz: NDArray[np.float64]) -> bool:
+        """Return whether lines of one of some speeds show."""
+        return bool(_standardised(_comb(logs, bin_hz, hertz), null).max() >= SHAFT_FOUND)
+
+    found = {}
+    for name, hertz in clearer.items():
+        rest = logs.copy()
         _silence(rest, bin_hz, np.arange(hertz, len(rest) * bin_hz, hertz))
-        if given(rest) < SHAFT_FOUND:
+        if shows(unknown, np.array([hertz])) and not shows(rest, given):
             found[name] = hertz
     return found
 
