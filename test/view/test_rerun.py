@@ -4,6 +4,7 @@
 
 from io import BytesIO
 import math
+from pathlib import Path
 import re
 import struct
 from types import SimpleNamespace
@@ -38,6 +39,8 @@ import rerun as rr
 from rerun.chunk import McapReader, RrdReader
 from scipy.signal import welch
 import yaml
+
+SCHEDULE = Path(__file__).resolve().parents[2] / 'recordings' / 'paper_schedule.mcap'
 
 
 @pytest.fixture(scope='module')
@@ -439,6 +442,13 @@ def test_protobuf_of_others_is_a_table_and_no_complaint(tmp_path):
     chunks = [c for c in RrdReader(rrd).stream() if c.entity_path == '/motor']
     rows = [row for c in chunks if c.num_rows == 5 for row in c.to_record_batch().to_pylist()]
     assert [row['Motor:message'][0]['rpm'] for row in rows] == [1500.0 + k for k in range(5)]
+
+
+@pytest.mark.parametrize('count', [2, 3])
+def test_recordings_of_temperatures_alone_stand_side_by_side(tmp_path, count):
+    rrd = tmp_path / 'a.rrd'
+    assert draw_recordings([SCHEDULE] * count, rrd) == {}
+    assert view_names(rrd).count('Temperature [°C]') == count
 
 
 def test_a_fit_tells_the_defect_first_and_then_what_is_identifiable():

@@ -260,7 +260,7 @@ def _front(parts: Sequence[View], page: str) -> int:
 
 def _narrow(scene: Scene, title: str, timeline: str) -> View:
     if not is_bearing(scene):
-        return rrb.Vertical(*number_views(scene), name=title)
+        return rrb.Vertical(*_other_views(scene), name=title)
     # Beside card and reasons, which need their height to be read.
     seen = [*bearing_views(scene), *envelope_views(scene)] or spectrum_views(scene)
     beside = [rrb.Vertical(*seen, row_shares=[2.0, 3.0][-len(seen) :])] if seen else []
@@ -284,7 +284,7 @@ def _narrowest(scene: Scene, title: str, timeline: str) -> View:
         *waveform_views(scene, timeline)[:1],
     ]
     shares = [5.6, 3.4, 1.6, 1.4] if len(views) == 4 else None
-    return rrb.Vertical(*(views or number_views(scene)), row_shares=shares, name=title)
+    return rrb.Vertical(*(views or _other_views(scene)), row_shares=shares, name=title)
 
 
 def _nodes(scenes: Iterable[Scene]) -> list[View]:
