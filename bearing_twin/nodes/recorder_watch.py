@@ -43,7 +43,7 @@ class RecordingWatch:
     Evaluate messages while they are recorded.
 
     Parameters of the nodes (from their checkpoints) and their bearings are attached to the
-    recording. A diagnosis that changes to fault triggers a snapshot. Rerun receives all messages.
+    recording. A diagnosis that changes to fault triggers a snapshot. Rerun receives what it draws.
     Errors of these tasks are reported and never prevent a message from being recorded.
     """
 
@@ -98,8 +98,8 @@ class RecordingWatch:
 
     def take(self, topic: str, type_name: str, cdr: bytes, received: int) -> None:
         """Evaluate one message; ``received`` is its log time, ns."""
-        interesting = type_name in (CHECKPOINT, DIAGNOSIS)
-        if interesting or self._rerun is not None:
+        drawn = self._rerun is not None and self._rerun.draws(topic, type_name)
+        if drawn or type_name in (CHECKPOINT, DIAGNOSIS):
             self._attempt(topic, self._evaluate, topic, type_name, cdr, received)
 
     def read(self, seconds: float) -> None:

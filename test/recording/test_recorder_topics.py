@@ -246,3 +246,22 @@ def test_what_waits_for_a_clock_is_bounded_by_memory(here: Maker, tmp_path: Path
         recorder._on_message('/x', 'std_msgs/msg/String', bytes(300_000), info)
     # Three of them are less than 1 MiB.
     assert (len(recorder._early), recorder._lost) == (3, 17)
+
+
+def test_only_what_is_drawn_is_decoded(here: Maker, tmp_path: Path) -> None:
+    recorder = here(
+        RecorderNode, output=str(tmp_path / 'bag'), rerun_file=str(tmp_path / 'live.rrd')
+    )
+    recorder.trigger_configure()
+    info: dict = {'publisher_gid': None} | dict.fromkeys(
+        ('received_timestamp', 'source_timestamp', 'publication_sequence_number'), 0
+    )
+    broken = b'\x00\x01\x00\x00'
+    for topic, name in (
+        ('/tf', 'tf2_msgs/msg/TFMessage'),
+        ('/features/rms', 'std_msgs/msg/Float64MultiArray'),
+    ):
+        recorder._on_message(topic, name, broken, info)
+        assert recorder._watch.problem == ''
+    recorder._on_message('/temperature', 'sensor_msgs/msg/Temperature', broken, info)
+    assert recorder._watch.problem.startswith('/temperature could not be looked at')

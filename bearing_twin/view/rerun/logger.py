@@ -24,7 +24,7 @@ from bearing_twin.view.rerun.outlet import Outlet, release, ServedOutlet
 from bearing_twin.view.rerun.pictures.picture import Asset
 from bearing_twin.view.rerun.pictures.scales import Scales
 from bearing_twin.view.rerun.ports import bracketed, free_port
-from bearing_twin.view.rerun.scene import namespace_of, Scene
+from bearing_twin.view.rerun.scene import namespace_of, Scene, SILENT
 from bearing_twin.view.rerun.timebase import Timebase
 from bearing_twin.view.source import Source
 import rerun as rr
@@ -150,6 +150,11 @@ class RerunLogger:
         """Return the number of marks that live viewers miss, as one of them did not keep up."""
         return self._served.dropped if self._served is not None else 0
 
+    @staticmethod
+    def draws(topic: str, type_name: str) -> bool:
+        """Whether the messages of a topic are drawn; others need not be decoded."""
+        return type_name not in SILENT and not is_feature(topic)
+
     def log(
         self, topic: str, type_name: str, message: Any, time_ns: int, *, side: str = ''
     ) -> None:
@@ -159,7 +164,7 @@ class RerunLogger:
         The message is one that rosbags decoded. ``side`` is its recording's name in `sides`, if
         these were given.
         """
-        if is_feature(topic):
+        if not self.draws(topic, type_name):
             return
         due = not 0 <= time_ns - self._flushed < TICK
         try:

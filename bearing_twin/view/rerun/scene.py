@@ -72,8 +72,6 @@ class Scene:
 
     def draw(self, name: str, type_name: str, message: Any, received: int) -> None:
         """Draw a message of a topic; ``received`` in ns."""
-        if type_name in SILENT:
-            return
         picture = self._pictures.get((name, type_name))
         if picture is None:
             canvas = Canvas(self._emit, f'{self.root}/{name}', self._timebase)
