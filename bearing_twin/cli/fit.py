@@ -24,7 +24,7 @@ from bearing_twin.cli.signal_arguments import (
     channels_of,
     given_bearing,
     given_speed,
-    picture_of,
+    pictures_of,
     unread,
 )
 from bearing_twin.cli.terminal import clear_progress, progress, wrapped
@@ -73,6 +73,8 @@ def run(args: argparse.Namespace) -> int:
     """Fit the twin to each file; return 0 only if every file could be fitted."""
     bearing, speed = given_bearing(args), given_speed(args)
     tasks = [(name, channel) for name in args.files for channel in channels_of(name, args.channel)]
+    # Beside the pictures that diagnose makes of the same files.
+    plots = pictures_of(Path(args.plot or ''), tasks, '.fit.png')
     failed = 0
     fitted: list[tuple[str, str, Calibration]] = []
     for done, (name, channel) in enumerate(tasks, start=1):
@@ -96,9 +98,7 @@ def run(args: argparse.Namespace) -> int:
             from bearing_twin.cli.plots import draw_calibration
 
             try:
-                # Beside the picture that diagnose makes of the same file.
-                path = picture_of(Path(args.plot), name, channel).with_suffix('.fit.png')
-                draw_calibration(found, record.x, record.sample_rate, path)
+                draw_calibration(found, record.x, record.sample_rate, plots[done - 1])
             except BearingTwinError as error:
                 # The fit took a minute: it is printed even if its picture fails.
                 failed += 1

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 from pathlib import Path
@@ -100,10 +101,31 @@ def unread(path: str, reason: str) -> dict[str, Any]:
     return {'file': path, 'error': reason if path in reason else f'{path}: {reason}'}
 
 
-def picture_of(folder: Path, name: str, channel: str | None) -> Path:
-    """Return the path of a signal's picture; the name has its whole path, so no two collide."""
-    parts = f'{Path(name)}_{channel}' if is_dataset(Path(name)) else str(Path(name))
-    return folder / f'{parts.strip("/").replace("/", "_")}.png'
+def pictures_of(
+    folder: Path, signals: Sequence[tuple[str, str | None]], ending: str = '.png'
+) -> list[Path]:
+    """
+    Return the path of a picture for each signal (its file, and its channel in a data set).
+
+    The name has the whole path of the file. Where different signals would have the same name, such
+    as ``a/b_c.npz`` and ``a_b/c.npz``, the later ones are numbered from 2 on.
+
+    >>> signals = [('a/b_c.npz', None), ('a_b/c.npz', None), ('a/b_c.npz', None)]
+    >>> [path.name for path in pictures_of(Path('plots'), signals)]
+    ['a_b_c.npz.png', 'a_b_c.npz_2.png', 'a_b_c.npz.png']
+
+    """
+    pictures: dict[tuple[str, str | None], Path] = {}
+    taken: set[str] = set()
+    for name, channel in dict.fromkeys(signals):
+        parts = f'{Path(name)}_{channel}' if is_dataset(Path(name)) else str(Path(name))
+        flat = parts.strip('/').replace('/', '_')
+        numbered = (f'{flat}_{n}{ending}' for n in itertools.count(2))
+        names = itertools.chain((f'{flat}{ending}',), numbered)
+        picture = next(each for each in names if each not in taken)
+        taken.add(picture)
+        pictures[name, channel] = folder / picture
+    return [pictures[signal] for signal in signals]
 
 
 def as_recordings(paths: Sequence[Path], args: argparse.Namespace, folder: Path) -> list[Path]:

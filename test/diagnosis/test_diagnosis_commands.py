@@ -5,6 +5,7 @@
 import argparse
 from dataclasses import fields
 import json
+from pathlib import Path
 import re
 import shutil
 
@@ -220,6 +221,18 @@ def test_pictures(good, tmp_path, capsys):
     (picture,) = (tmp_path / 'plots').iterdir()
     assert picture.read_bytes().startswith(b'\x89PNG')
     assert 'inner [fault]' in capsys.readouterr().out
+
+
+def test_every_file_has_a_picture_of_its_own(good, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    files = ['a/b_c.npz', 'a_b/c.npz', 'a_b_c.npz']
+    for name in files:
+        Path(name).parent.mkdir(exist_ok=True)
+        shutil.copy(good, name)
+    args = ['diagnose', *files, '--bearing', '6307', '--plot', 'plots', '--jobs', '1']
+    assert main(args) == 0
+    names = sorted(path.name for path in (tmp_path / 'plots').iterdir())
+    assert names == ['a_b_c.npz.png', 'a_b_c.npz_2.png', 'a_b_c.npz_3.png']
 
 
 def test_a_record_without_a_spectrum_says_that_it_has_no_picture(good, tmp_path, capsys):

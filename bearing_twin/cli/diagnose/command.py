@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import repeat
 import json
 from pathlib import Path
 import sys
@@ -18,7 +19,7 @@ from bearing_twin.cli.signal_arguments import (
     channels_of,
     given_bearing,
     given_speed,
-    picture_of,
+    pictures_of,
 )
 from bearing_twin.cli.terminal import clear_progress, progress, shown_inside
 from bearing_twin.diagnosis.settings import DiagnosisSettings
@@ -154,6 +155,10 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
         with refused():
             replace(settings, speed_tolerance=args.speed_tolerance)
     shaft_hz = given_speed(args)
+    signals = [
+        (name, channel) for name in args.files for channel in channels_of(name, args.channel)
+    ]
+    plots = map(str, pictures_of(Path(args.plot), signals)) if args.plot else repeat('')
     return [
         Task(
             path=name,
@@ -164,8 +169,7 @@ def _tasks(args: argparse.Namespace) -> list[Task]:
             channel=channel,
             unit=args.unit,
             settings=settings,
-            plot=str(picture_of(Path(args.plot), name, channel)) if args.plot else '',
+            plot=plot,
         )
-        for name in args.files
-        for channel in channels_of(name, args.channel)
+        for (name, channel), plot in zip(signals, plots, strict=False)
     ]
