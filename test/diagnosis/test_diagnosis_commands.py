@@ -250,14 +250,19 @@ def test_a_record_without_a_spectrum_says_that_it_has_no_picture(good, tmp_path,
     assert all('drawn' not in json.loads(line) for line in said.splitlines())
 
 
-def test_a_picture_that_cannot_be_written_ends_no_batch(good, tmp_path, capsys):
-    files, plots = [str(good)] * 2, tmp_path / 'file'
+def test_verdicts_are_printed_whose_picture_cannot_be_written(good, tmp_path, capsys):
+    plots = tmp_path / 'file'
     plots.write_text('')
-    args = ['diagnose', *files, '--bearing', '6307', '--json', '--plot', str(plots)]
-    assert main(args) == 1
+    args = ['--bearing', '6307', '--plot', str(plots)]
+    assert main(['diagnose', str(good), str(good), *args, '--json']) == 1
     answers = json_lines(capsys)
     assert len(answers) == 2
+    assert all(set(answer) == {*KEYS, 'error'} for answer in answers)
     assert all(f'{plots}/' in answer['error'] for answer in answers)
+    assert main(['diagnose', str(good), *args]) == 1
+    said, error = capsys.readouterr()
+    assert 'inner' in said
+    assert error.startswith(f'bearing-twin diagnose: {good}: {plots}/')
 
 
 @pytest.mark.parametrize('command', ['diagnose', 'fit'])

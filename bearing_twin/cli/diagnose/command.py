@@ -97,7 +97,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose the files; return 0 only if every file could be read."""
+    """Diagnose the files; return 0 only if every file could be read and drawn."""
     if args.channels:
         return _list_channels(args)
     if args.series:
@@ -107,25 +107,26 @@ def run(args: argparse.Namespace) -> int:
         return run_series(args, given_speed(args))
     refuse_given(args, SERIES, 'only with --series')
     tasks = _tasks(args)
-    unread = 0
+    failed = 0
     for done, answer in enumerate(answers(tasks, jobs=args.jobs, dask=args.dask), start=1):
         clear_progress(len(tasks))
-        if 'error' in answer:
-            unread += 1
-            print(f'bearing-twin diagnose: {shown(answer["error"])}', file=sys.stderr, flush=True)
-        if not answer.pop(DRAWN, True):
-            why = 'no picture, as it has no spectrum: see the reasons of its verdict'
-            print(f'bearing-twin diagnose: {shown(answer["file"])}: {why}', file=sys.stderr)
+        drawn, error, file = answer.pop(DRAWN, True), answer.get('error'), answer['file']
         if args.json:
             answer.pop(CARD, None)
             print(json.dumps(answer), flush=True)
-        elif 'error' not in answer:
+        elif 'result' in answer:
             from bearing_twin.cli.diagnose.text import line, page
 
             answer = shown_inside(answer)
             print(page(answer) if len(tasks) == 1 else line(answer), flush=True)
+        if error is not None:
+            failed += 1
+            print(f'bearing-twin diagnose: {shown(error)}', file=sys.stderr, flush=True)
+        if not drawn:
+            why = 'no picture, as it has no spectrum: see the reasons of its verdict'
+            print(f'bearing-twin diagnose: {shown(file)}: {why}', file=sys.stderr)
         progress(done, len(tasks), 'files')
-    return 1 if unread else 0
+    return 1 if failed else 0
 
 
 def _list_channels(args: argparse.Namespace) -> int:

@@ -34,7 +34,8 @@ def diagnose_file(task: Task) -> dict[str, Any]:
     """
     Return the answer for one file; nothing in the file raises an error.
 
-    A file that cannot be read has no verdict: its answer is ``file`` and ``error``.
+    A file that cannot be read has no verdict: its answer is ``file`` and ``error``. The answer also
+    has an ``error`` if the picture of a verdict cannot be written.
     """
     try:
         signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
@@ -56,17 +57,21 @@ def diagnose_file(task: Task) -> dict[str, Any]:
             temperature=signal.temperature,
             settings=settings,
         )
-        drawn = not task.plot or diagnosis.spectrum.values.size > 0
-        if task.plot and drawn:
-            from bearing_twin.cli.plots import draw_diagnosis
-
-            title = f'{Path(task.path).name}, {bearing.name}'
-            draw_diagnosis(diagnosis, Path(task.plot), title=title)
     except (BearingTwinError, MemoryError) as error:
         reason = str(error) or 'not enough memory'
         if task.channel and task.path not in reason:
             reason = f'{task.path}, {task.channel}: {reason}'
         return unread(task.path, reason)
+    drawn = not task.plot or diagnosis.spectrum.values.size > 0
+    failed: dict[str, Any] = {}
+    if task.plot and drawn:
+        from bearing_twin.cli.plots import draw_diagnosis
+
+        title = f'{Path(task.path).name}, {bearing.name}'
+        try:
+            draw_diagnosis(diagnosis, Path(task.plot), title=title)
+        except (BearingTwinError, MemoryError) as error:
+            failed = unread(task.path, str(error) or 'not enough memory')
     length = len(signal.x) / signal.sample_rate
     message = diagnosis_message(diagnosis, stamp=0, frame_id='', bearing=bearing.name)
     return {
@@ -86,6 +91,7 @@ def diagnose_file(task: Task) -> dict[str, Any]:
         'next_step': next_step(message),
         CARD: card(message),
         DRAWN: drawn,
+        **failed,
     }
 
 
