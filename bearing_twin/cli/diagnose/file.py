@@ -34,8 +34,8 @@ def diagnose_file(task: Task) -> dict[str, Any]:
     """
     Return the answer for one file; nothing in the file raises an error.
 
-    A file that cannot be read has no verdict: its answer is ``file`` and ``error``. The answer also
-    has an ``error`` if the picture of a verdict cannot be written.
+    A file that cannot be read has no verdict: its answer is ``file`` and ``error``. The answer has
+    an ``error``, too, if the picture of a verdict cannot be written.
     """
     try:
         signal = read_signal(Path(task.path), channel=task.channel, sample_rate=task.sample_rate)
