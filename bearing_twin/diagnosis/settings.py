@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 import functools
 
-from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import check_fields, quantity
 
 LONGEST_WINDOW = 60.0
@@ -47,7 +46,7 @@ class DiagnosisSettings:
         choices=('', 'm/s^2', 'g'),
     )  # fmt: skip
     memory: float = quantity(
-        8.0, 'Span over which windows are averaged; at least the window.', 's', 1.0, 600.0
+        8.0, 'Span over which windows are averaged; below two windows, none are.', 's', 1.0, 600.0
     )
     hold_updates: int = quantity(
         3,
@@ -117,6 +116,3 @@ class DiagnosisSettings:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        if self.memory < self.window:
-            msg = f'memory={self.memory} s is shorter than window={self.window} s; make it longer'
-            raise BearingTwinError(msg)

@@ -55,7 +55,7 @@ def test_same_pushes_same_bits_and_blocks_do_not_matter():
     assert len(first) == 5
 
 
-@pytest.mark.parametrize('window', [2.5, 8.0])
+@pytest.mark.parametrize('window', [2.5, 8.0, 20.0])
 @pytest.mark.parametrize('rate', [6667.0, 12_801.0, 25_601.2, 48_828.0, 97_657.0])
 def test_a_rate_of_few_divisors_has_as_few_envelope_points_as_others(rate, window):
     cut = Cut.of(DiagnosisSettings(window=window), rate)
@@ -401,7 +401,7 @@ def test_a_state_of_another_version_is_refused_with_what_differs_and_changes_not
 
 
 @pytest.mark.parametrize(
-    'wrong', [{'window': 0.0}, {'memory': 1.0}, {'speed_tolerance': 0.5}, {'mounting': 'soft'}]
+    'wrong', [{'window': 0.0}, {'memory': 0.5}, {'speed_tolerance': 0.5}, {'mounting': 'soft'}]
 )
 def test_settings_are_checked(wrong):
     with pytest.raises(BearingTwinError):
