@@ -30,8 +30,9 @@ JUMP = 10.0
 Advance between two readings of /clock that counts as a jump, and longest lag of a node behind
 /clock, s: a simulation does not wait for a busy node, and such a lag is not a gap.
 """
-REST_PERIOD = 0.05
-"""Interval of publishing overdue blocks in simulated time, s: subscribers queue 50 blocks."""
+REST_PERIOD = 0.1
+"""Interval of publishing overdue blocks in simulated time, s: subscribers queue 50 blocks, and a
+verdict on each second of them takes time, too."""
 
 
 class BlockCycle:
@@ -80,7 +81,7 @@ class BlockCycle:
         self._began = 0.0
         self._busy = 0.0
         self._steps = 0
-        self._more = False
+        self._most = 0
         self._cycle_began: int | None = None
         self._woken = time.monotonic()
         if parameters['lock_memory']:
@@ -168,7 +169,9 @@ class BlockCycle:
         ticks = self._ticks.now().nanoseconds
         # The next wake-up is already set; the timer period determines the one after it.
         following = ticks + (self._timer.time_until_next_call() or 0)
-        self._publish_due()
+        if not 0 < self._pacer.waiting <= self._most:
+            # Else the timer of the rest keeps the pace, unless /clock is faster.
+            self._publish_due()
         if self._between is not None:
             began = time.perf_counter()
             self._between(self._pacer.phase(self._ticks.now().nanoseconds))
@@ -178,16 +181,15 @@ class BlockCycle:
 
     def _publish_due(self) -> None:
         ticks = self._ticks.now().nanoseconds
-        blocks = self._pacer.due(ticks=ticks, time=self._now())
-        for due in blocks:
+        for due in self._pacer.due(ticks=ticks, time=self._now()):
             self._finish_cycle(ticks)
             self._began = time.perf_counter()
             self._publish(due)
             self._busy += time.perf_counter() - self._began
-        self._more = len(blocks) == self._pacer.catch_up
+        self._most = self._pacer.waiting and (self._most or self._pacer.waiting)
 
     def _publish_rest(self) -> None:
-        if self._more:
+        if self._pacer.waiting:
             self._publish_due()
 
     def _pause(self) -> None:

@@ -91,6 +91,8 @@ class Pacer:
         self.behind = max(behind, catch_up)
         self.next_sample = 0
         self.published = 0
+        self.waiting = 0
+        """Number of blocks that were due at the last call of :meth:`due` and not returned."""
         self.late = 0
         self.dropped = 0
         self.clock_steps = 0
@@ -120,6 +122,7 @@ class Pacer:
         self._tick_anchor = ticks
         self._time_anchor = time
         self._anchor_sample = self.next_sample
+        self.waiting = 0
 
     def release(self) -> None:
         """Let the next block begin with the next call of :meth:`due`."""
@@ -165,6 +168,7 @@ class Pacer:
                 self.late += 1
                 self._after_late = self.next_sample
             self._recent.append(lateness)
+        self.waiting = min(count, self.behind) - len(blocks)
         return blocks
 
     def wake_up(self, ticks: int, slots: int = 1) -> int:

@@ -48,6 +48,16 @@ def test_catches_up_then_skips_and_counts():
     assert p.report().published == 9
 
 
+def test_what_waits_is_known_until_the_clock_is_set():
+    p = pacer(behind=20)
+    assert [len(run(p, 12 * PERIOD)) for _ in range(2)] == [5, 5]
+    assert p.waiting == 2
+    assert len(run(p, 99 * PERIOD)) == 5
+    assert p.waiting == 15
+    p.step(ticks=0, time=0)
+    assert p.waiting == 0
+
+
 def test_the_time_since_the_last_late_block_is_that_of_the_blocks_since():
     p = pacer()
     run(p, PERIOD)

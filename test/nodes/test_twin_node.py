@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The twin as a process over DDS: temperature, parameters, services, time."""
 
+import itertools
 from itertools import pairwise
 import math
 import signal
@@ -290,4 +291,26 @@ def test_a_clock_that_goes_on_by_seconds_at_once_costs_no_block(nodes, probe):
     probe.until_still('twin')
     assert all(a.first_sample + 1024 == b.first_sample for a, b in pairwise(blocks))
     assert probe.statuses['twin: real time'][2]['blocks_dropped'] == '0'
+    assert nodes.end('twin') == 0
+
+
+def test_overdue_blocks_come_no_faster_than_their_readers_follow(nodes, probe):
+    """Also while /clock goes on, which wakes the timer of the blocks."""
+    nodes.start('twin', {'use_sim_time': True})
+    blocks = probe.collect(Vibration, 'vibration')
+    probe.watch_diagnostics()
+    probe.until_active('twin')
+    probe.run_clock(100.0, 100.5, {'twin': blocks})
+    ticks = itertools.count(10900)
+
+    def tell():
+        tick = next(ticks)
+        probe.publish('/clock', Clock(clock=Time(sec=tick // 100, nanosec=tick % 100 * 10**7)))
+
+    began = time.monotonic()
+    probe.until(
+        lambda: block_end(blocks[-1]) >= 109.0 - 0.04, 'the blocks until 109 s', every=tell
+    )
+    # 211 of them, 25 at a time.
+    assert time.monotonic() - began > 0.75
     assert nodes.end('twin') == 0
