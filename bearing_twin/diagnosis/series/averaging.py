@@ -70,11 +70,14 @@ class Comb:
     z: float
     """Significance: standard deviations over combs at orders of no part of the bearing."""
     snapshots: int
+    turns: int
+    """Strikes a turn of the shaft that it cannot be told from; 0: it can."""
 
     def __str__(self) -> str:
         """Return the comb in words."""
+        other = f' or {self.turns} strikes a turn' if self.turns else ''
         return (
-            f'{self.place}: comb at {self.order:.2f} orders, significance {self.z:.1f}, '
+            f'{self.place}{other}: comb at {self.order:.2f} orders, significance {self.z:.1f}, '
             f'in the average of {self.snapshots} snapshots'
         )
 
@@ -226,12 +229,15 @@ class AveragedEnvelope:
         mean, floor = self.power / max(self.count, 1), self._floor()
         return np.where(floor > 0.0, mean / np.maximum(floor, 1e-30) - 1.0, 0.0)
 
-    def place(self, bearing: Bearing, before: AveragedEnvelope) -> Comb | None:
+    def place(
+        self, bearing: Bearing, before: AveragedEnvelope, *, whole: bool = False
+    ) -> Comb | None:
         """
         Return the fault that is significant in this average and not in ``before``, or None.
 
         There is none with too few snapshots, without a significant comb, or if two places cannot
-        be told apart at this resolution.
+        be told apart at this resolution. A comb that may be of a ``whole`` order is returned only
+        if it is asked for.
         """
         if self.count < LEAST_AVERAGED:
             return None
@@ -254,7 +260,7 @@ class AveragedEnvelope:
         best = []
         for place, order in places.items():
             reach = max(_SLIP, 0.5 * STEP / order)
-            window = np.flatnonzero(~shaft & (np.abs(grid / order - 1.0) <= reach))
+            window = np.flatnonzero((whole | ~shaft) & (np.abs(grid / order - 1.0) <= reach))
             if len(window):
                 at = window[z[window].argmax()]
                 best.append((float(z[at]), place, float(grid[at])))
@@ -270,7 +276,10 @@ class AveragedEnvelope:
             close = abs(places[other] - places[place]) < resolution
             if rival * RIVAL > top and (close or abs(at - order) > STEP):
                 return None
-        return Comb(place, order, top, self.count) if self._own(excess, place, order) else None
+        if not self._own(excess, place, order):
+            return None
+        turns = round(order) if shaft[row] else 0
+        return Comb(place, order, top, self.count, turns)
 
     def _scores(
         self, excess: NDArray[np.float64], grid: NDArray[np.float64]
@@ -300,9 +309,11 @@ class AveragedEnvelope:
         """
         Return the fault that reaches the modulation index of a fault in a long record, or None.
 
-        It needs no earlier average: a machine may be damaged from the first snapshot on.
+        It needs no earlier average: a machine may be damaged from the first snapshot on. A comb at
+        a whole order counts where no other place shows: it may be strikes in time with the shaft.
         """
-        comb = self.place(bearing, AveragedEnvelope())
+        nothing = AveragedEnvelope()
+        comb = self.place(bearing, nothing) or self.place(bearing, nothing, whole=True)
         if comb is None:
             return None
         lines = _lines(comb.order)

@@ -446,7 +446,7 @@ class SeriesMonitor:
         comb, place = None, ''
         if self._bearing is not None and self._alarmed:
             comb = self._loud.place(self._bearing, self._quiet) or self._kept.strong
-            place = self._kept.place or (comb.place if comb else '')
+            place = self._kept.place or (comb.place if comb and not comb.turns else '')
         alone = self._alarmed and math.isnan(self._kept.risen)
         doubt = self._kept.doubt if alone and not place else ''
         change = self._change(self._kept.risen)

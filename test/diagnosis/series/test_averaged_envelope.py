@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Envelopes of many short snapshots, averaged: noise, unit, and the place that they show."""
 
-from bearing_twin.bearing import Bearing, fault_orders, find_bearing
+from bearing_twin.bearing import Bearing, fault_orders, find_bearing, own_bearing
 from bearing_twin.diagnosis.series.averaging import AveragedEnvelope, BANDS, LEAST_AVERAGED
 from bearing_twin.studies import impact_machines
 import numpy as np
@@ -141,6 +141,19 @@ def test_a_race_beside_whole_orders_shows_by_its_third_harmonic(turns):
     assert comb is not None
     assert comb.place == 'outer'
     assert comb.order == pytest.approx(order, abs=0.02)
+
+
+@pytest.mark.parametrize(('place', 'turns'), [('outer', 6), ('inner', 8)])
+def test_a_race_at_a_whole_order_is_strong_and_may_be_strikes_of_the_shaft(place, turns):
+    """A 7210, whose races strike 6.03 and 7.97 times a turn, in snapshots of 12 turns."""
+    bearing = own_bearing('14,12.7,70,40')
+    order = fault_orders(bearing, 0.004).impacts(place)
+    average = average_of_strikes(order, 12.0, 25.0, jitter=0.005)
+    assert average.place(bearing, AveragedEnvelope()) is None
+    comb = average.strong(bearing, 25.0)
+    assert comb is not None
+    assert (comb.place, comb.turns) == (place, turns)
+    assert str(comb).startswith(f'{place} or {turns} strikes a turn: comb at ')
 
 
 @pytest.mark.proof

@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A stream of which each cycle gives one snapshot: cut, judged, saved."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import pairwise
 import math
 import zlib
 
 from bearing_twin.bearing import find_bearing
+from bearing_twin.diagnosis.series.averaging import Comb
 from bearing_twin.diagnosis.series.snapshots import _VERSION, SeriesDiagnoser
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError
@@ -279,7 +280,7 @@ def test_series_is_saved_and_resumed_to_the_bit():
         ({'held': 'x'}, arrays['levels']),
         ({'doubt': 'x'}, arrays['levels']),
         ({'memory': {**kept['memory'], 'windows': {'at ': []}}}, arrays['levels']),
-        ({'strong': {'place': 'x', 'order': 3.0, 'z': 6.0, 'snapshots': 20}}, arrays['levels']),
+        ({'strong': asdict(Comb('x', 3.0, 6.0, 20, 0))}, arrays['levels']),
         ({}, arrays['levels'][:, :1]),
     ):
         forged = {**values, 'series': {**values['series'], 'kept': {**kept, **changed}}}
