@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: 2026 bearing_twin contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of a process: memory that it keeps, search for garbage, its end with its parent."""
+"""Settings of a process: memory that it keeps, search for garbage, its end by signal or parent."""
 
 from __future__ import annotations
 
 import ctypes
 import gc
 import os
+import signal
 import threading
 import time
 
@@ -55,6 +56,37 @@ def begin_collection() -> None:
     if not gc.isenabled():
         gc.freeze()
         gc.enable()
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM has come: as Ctrl-C, but the exit status is 143."""
+
+
+def end_as_interrupted() -> None:
+    """
+    Let SIGTERM end this process as Ctrl-C does: what it has begun to write is removed.
+
+    Python would end at once otherwise, and leave temporary files and folders behind. Processes of
+    a pool end at once: at Ctrl-C the terminal interrupts them, too. Another handler of SIGTERM is
+    kept, and only the main thread can set one.
+    """
+    owner = os.getpid()
+
+    def end(number: int, _frame: object) -> None:
+        if os.getpid() != owner:
+            # A fork.
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)
+            return
+        from multiprocessing import active_children
+
+        for child in active_children():
+            child.terminate()
+        raise Terminated
+
+    main = threading.current_thread() is threading.main_thread()
+    if main and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, end)
 
 
 def end_with_parent() -> None:

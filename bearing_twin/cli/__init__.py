@@ -27,7 +27,12 @@ from bearing_twin import __version__
 from bearing_twin.cli.arguments import refuse_command, refuse_unknown, take_as_meant
 from bearing_twin.cli.terminal import mend_streams, report_compiling
 from bearing_twin.errors import BearingTwinError, REFUSED, shown, UsageError
-from bearing_twin.process import begin_collection, keep_freed_memory
+from bearing_twin.process import (
+    begin_collection,
+    end_as_interrupted,
+    keep_freed_memory,
+    Terminated,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,7 +82,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Run ``bearing-twin``; return the exit status.
 
     It is 0 only if it did what was asked, 2 (:data:`~bearing_twin.errors.REFUSED`) if the call is
-    refused, 1 if anything else fails, such as a file, and 130 after an interrupt.
+    refused, 1 if anything else fails, such as a file, 130 after an interrupt, 143 after SIGTERM.
 
     Parameters
     ----------
@@ -115,6 +120,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     keep_freed_memory()
     mend_streams()
+    if args.command not in {'play', 'replay', 'run'}:
+        # rclpy takes SIGTERM in these three.
+        end_as_interrupted()
     if args.command != 'run':
         # Nearly all objects of a command live to its end. If there are many, repeated searches for
         # garbage take half of the time.
@@ -155,6 +163,8 @@ def _status(args: argparse.Namespace) -> int:
         text = shown(error, keep='\n')
         print(f'bearing-twin {args.command}: {text}', file=sys.stderr)
         return REFUSED if isinstance(error, UsageError) else 1
+    except Terminated:
+        return 143
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:

@@ -9,7 +9,6 @@ import math
 import os
 from pathlib import Path
 import re
-import signal
 import socket
 import subprocess
 import tempfile
@@ -92,8 +91,6 @@ def show_in_browser(
     command = [_binary(), '--serve-web', '--bind', address, '--port', '0']
     command += ['--web-viewer-port', str(port), '--server-memory-limit', '75%', *sources]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
-        # The server is a separate process and would outlive this one when that is terminated.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
             ports = _served(server, 1 if servers else 2) - {port}
             data = servers[0] if servers else f'rerun+http://{shown}:{ports.pop()}/proxy'
