@@ -198,6 +198,7 @@ class CalibrationNode(ManagedNode):
 
     def status(self) -> Status:
         """Return the status of the calibration for /diagnostics."""
+        self._state.retry()
         found = self._latest
         heat = self._temperature()
         values: dict[str, object] = {

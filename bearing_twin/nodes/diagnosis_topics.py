@@ -233,6 +233,7 @@ class DiagnosisTopics:
 
     def input_status(self) -> Status:
         """Return the status of the vibration stream for /diagnostics."""
+        self._state.retry()
         unkept = self._state.problem
         unkept = unkept and f'baseline and trend are not kept: {unkept}'
         core = self._core

@@ -11,6 +11,7 @@ from functools import partial
 import os
 from pathlib import Path
 import stat
+import time
 from typing import Any, BinaryIO, TYPE_CHECKING, TypeVar
 
 from bearing_twin.disksync import DiskSync, SILENT
@@ -31,6 +32,9 @@ LARGEST = 64 * 1024 * 1024
 _LONGEST_NAME = 200
 """Bytes. A file name may have 255; names of lock and temporary files are longer than the state's
 own."""
+
+RETRY = 10.0
+"""Time after which a state that the disk has refused is written again, s."""
 
 T = TypeVar('T')
 
@@ -158,6 +162,7 @@ class NodeStates:
     def release(self) -> None:
         """Release the files for other nodes once the newest states are written."""
         for state in self._kept:
+            state.retry(after=0.0)
             self.disk.do(state.release_lock)
         if self.disk.busy and not self.disk.settle():
             held = ', '.join(str(state.path) for state in self._kept if state.claimed)
@@ -207,6 +212,9 @@ class KeptState:
         # Whether the state in the file was loaded or given up. Nothing is written before.
         self._taken_up = self._given_up = False
         self._newest: bytes | None = None
+        # The state that the disk has refused, and when it was tried last.
+        self._refused: bytes | None = None
+        self._tried = 0.0
         self._problem = ''
 
     @property
@@ -270,6 +278,12 @@ class KeptState:
         held = {'state': np.frombuffer(state(), np.uint8)}
         self._newest = pack(_VERSION, {'node': self._nodes[0]}, held)
         self._do(self._write)
+
+    def retry(self, after: float = RETRY) -> None:
+        """Write a state again that the disk has refused ``after`` seconds ago, or earlier."""
+        late = time.monotonic() - self._tried >= after
+        if self._refused is not None and late and not self._disk.busy:
+            self._do(self._write)
 
     async def answer(self, said: str) -> str:
         """Wait for the disk, then return ``said`` with the reason if the state is not kept."""
@@ -345,14 +359,17 @@ class KeptState:
 
     def _write(self) -> None:
         state, self._newest = self._newest, None
+        state = self._refused if state is None else state
         ours = self._lock is not None and (self._taken_up or self._given_up)
         if state is None or not ours:
             return
+        self._refused, self._tried = state, time.monotonic()
         with whole_file(self.path) as file:
             file.write(state)
-        self._problem = ''
+        self._refused, self._problem = None, ''
 
     def _set_aside(self, why: str) -> None:
+        self._refused = None
         number = 1
         while (aside := self.path.with_name(f'{self._name}.unreadable-{number}')).exists():
             number += 1

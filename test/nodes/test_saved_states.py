@@ -50,6 +50,44 @@ class Node:
         self.states.disk.settle()
 
 
+def test_a_refused_state_is_written_again_by_itself(tmp_path, monkeypatch):
+    node = Node(tmp_path / 'states')
+    (tmp_path / 'states').rename(tmp_path / 'away')
+    node.keep(b'learnt')
+    assert 'cannot be kept' in node.state.problem
+    (tmp_path / 'away').rename(tmp_path / 'states')
+    node.state.retry()
+    node.states.disk.settle()
+    assert node.state.problem, 'not tried again at once'
+    later = time.monotonic() + statefile.RETRY
+    monkeypatch.setattr(time, 'monotonic', lambda: later)
+    node.state.retry()
+    node.states.disk.settle()
+    assert not node.state.problem
+    node.states.release()
+    assert Node(tmp_path / 'states').learnt == b'learnt'
+
+
+def test_a_refused_state_is_written_again_at_the_end(tmp_path):
+    node = Node(tmp_path / 'states')
+    (tmp_path / 'states').rename(tmp_path / 'away')
+    node.keep(b'learnt')
+    (tmp_path / 'away').rename(tmp_path / 'states')
+    node.states.release()
+    assert Node(tmp_path / 'states').learnt == b'learnt'
+
+
+def test_a_state_that_was_given_up_is_not_written_again(tmp_path):
+    node = Node(tmp_path / 'states')
+    node.keep(b'of one bearing')
+    (tmp_path / 'states').rename(tmp_path / 'away')
+    node.keep(b'of one bearing, later')
+    (tmp_path / 'away').rename(tmp_path / 'states')
+    node.state.set_aside('another bearing')
+    node.states.release()
+    assert Node(tmp_path / 'states').learnt is None
+
+
 @pytest.mark.parametrize('name', ['', '.', '..', '../x', '/etc/passwd', 'a/b', 'a\0b'])
 def test_states_stay_in_their_folder(tmp_path, name):
     with pytest.raises(BearingTwinError, match='plain file name'):
