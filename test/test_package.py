@@ -53,6 +53,13 @@ def test_tests_that_a_page_names_exist():
     assert tests == len(re.findall(r'`test_\w+`', page)) > 30
 
 
+def test_the_description_of_the_messages_names_each():
+    text = ElementTree.parse(ROOT / 'msg_defs/package.xml').findtext('description')
+    files = [*(ROOT / 'msg_defs').glob('msg/*.msg'), *(ROOT / 'msg_defs').glob('srv/*.srv')]
+    names = [' '.join(re.findall('[A-Z][a-z]+', file.stem)).lower() for file in files]
+    assert not [name for name in names if name not in text.lower()]
+
+
 def test_every_message_is_built():
     listed = set(
         re.findall(r'"((?:msg|srv)/\w+\.\w+)"', (ROOT / 'msg_defs/CMakeLists.txt').read_text())
