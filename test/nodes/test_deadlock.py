@@ -10,13 +10,14 @@ import errno
 import os
 from pathlib import Path
 import signal
+import subprocess
+import sys
 from threading import Thread
 import time
 from typing import TYPE_CHECKING
 
 from bearing_twin.recording.reader import recording_info
-from bearing_twin.ros.processes.deadlock import _waiting
-from bearing_twin.ros.processes.running import LEAVING
+from bearing_twin.ros.processes.deadlock import _waiting, LEAVING
 from commands import python
 import pytest
 
@@ -106,6 +107,15 @@ def stop_thread(thread: int) -> None:
     stopped.result(60.0)
 
 
+def stop_timers(process: int) -> int:
+    """Stop the threads of Fast DDS's timers, for which the end of a participant waits."""
+    tasks = Path(f'/proc/{process}/task').iterdir()
+    timers = [int(t.name) for t in tasks if (t / 'comm').read_text().startswith('dds.ev.')]
+    for timer in timers:
+        stop_thread(timer)
+    return len(timers)
+
+
 @pytest.mark.ros
 def test_a_node_whose_middleware_is_locked_ends_with_an_error(
     ros_domain: int, tmp_path: Path
@@ -128,16 +138,33 @@ def test_a_node_ends_in_order_although_the_middleware_never_answers(
     bag = tmp_path / 'bag'
     nodes.start('recorder', {'output': str(bag)})
     probe.until_active('recorder')
-    # The end of a participant waits for the thread of the timers of Fast DDS: stop that one.
-    tasks = Path(f'/proc/{nodes.pid("recorder")}/task').iterdir()
-    timers = [int(t.name) for t in tasks if (t / 'comm').read_text().startswith('dds.ev.')]
-    assert timers
-    for timer in timers:
-        stop_thread(timer)
+    assert stop_timers(nodes.pid('recorder'))
     began = time.monotonic()
     assert nodes.end('recorder', by=signal.SIGINT) == 0
     assert time.monotonic() - began >= LEAVING
     assert recording_info(bag).finished
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    'work',
+    ['from bearing_twin.cli.demo.watch import Watcher\nwith Watcher(): input("joined\\n")',
+     'from bearing_twin.ros.processes.domain import inhabitants\n'
+     'inhabitants(int(os.environ["ROS_DOMAIN_ID"]), 10.0)'],
+    ids=['demo', 'probe'],
+)  # fmt: skip
+def test_a_command_ends_although_the_middleware_never_answers(ros_domain: int, work: str) -> None:
+    with subprocess.Popen(
+        [sys.executable, '-c', f'import os\n{work}'], cwd=ROOT, stdin=subprocess.PIPE
+    ) as command:
+        try:
+            deadline = time.monotonic() + 60.0
+            while not stop_timers(command.pid) and time.monotonic() < deadline:
+                time.sleep(3.0)
+            command.communicate(b'\n', timeout=60.0)
+        finally:
+            command.kill()
+    assert command.returncode == 1
 
 
 def test_without_a_descriptor_no_thread_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ import time
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
+from bearing_twin.ros.processes.deadlock import bounded, LEAVING
 from bearing_twin.ros.topics.qos import RESULT, STREAM
 from bearing_twin_msgs.msg import Diagnosis, TwinState
 import rclpy
@@ -36,9 +37,11 @@ class Watcher:
 
     def __exit__(self, *_: object) -> None:
         """Leave the ROS domain."""
-        self._executor.shutdown()
-        self._node.destroy_node()
-        self._context.shutdown()
+        sys.stdout.flush()
+        with bounded(LEAVING, 1):
+            self._executor.shutdown()
+            self._node.destroy_node()
+            self._context.shutdown()
 
     def _on_state(self, message: TwinState) -> None:
         self._state = message

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
+LEAVING = 8
+"""Longest time for telling the other nodes of the end, s: launch kills after 10 s."""
 LOOK = 10.0
 """Interval of looking at the threads of the middleware, s."""
 LOOKS = 3

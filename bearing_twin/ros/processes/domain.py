@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from bearing_twin.errors import BearingTwinError, refused
 from bearing_twin.quantity import check_range
 from bearing_twin.ros.parameterfile import reason
+from bearing_twin.ros.processes.deadlock import bounded, LEAVING
 from bearing_twin.ros.processes.launching import ensure_log_folder
 import rclpy
 
@@ -85,8 +86,9 @@ def inhabitants(domain: int, listen: float) -> list[str]:
                 return sorted(others)
             time.sleep(0.1)
     finally:
-        node.destroy_node()
-        context.shutdown()
+        with bounded(LEAVING, 1):
+            node.destroy_node()
+            context.shutdown()
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from bearing_twin.process import keep_freed_memory
 from bearing_twin.ros.executor import LeanExecutor
 from bearing_twin.ros.health import Health, Level, Status
 from bearing_twin.ros.lifecycle import PREPARATION, refuses
-from bearing_twin.ros.processes.deadlock import bounded, watch
+from bearing_twin.ros.processes.deadlock import bounded, LEAVING, watch
 from bearing_twin.ros.processes.domain import initialise
 from bearing_twin.ros.processes.fastdds import fast_dds_settings
 from bearing_twin.ros.processes.launching import (
@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 RCLError: type[Exception] = rclpy_implementation.RCLError
 SLOW = 2.0
 """Time after which a node reports why its preparation takes long, s."""
-LEAVING = 8
-"""Longest time for telling the other nodes of the end, s: launch kills after 10 s."""
 _PR_SET_PDEATHSIG = 1
 """Option in ``linux/prctl.h``: signal to a process when its parent ends."""
 PART = 'real time'
