@@ -5,21 +5,18 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Generator
 from concurrent import futures
 import functools
 import os
+from pathlib import Path
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.wholefile import sync_folder
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
-    from pathlib import Path
-
 
 LONGEST = 10.0
 """Longest time to wait for an answer of the disk, s."""

@@ -4,12 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 REFUSED = 2
 """Exit status of a command or node that refuses its arguments or parameters, whatever files, disk

@@ -10,17 +10,14 @@ declaration. :func:`signed` writes a difference of two values.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, MISSING
 import functools
 from numbers import Integral
 from types import MappingProxyType
-from typing import Any, cast, TYPE_CHECKING
+from typing import Any, cast
 
 from bearing_twin.errors import BearingTwinError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 LONGEST_TEXT = 4096
 """Longest text that is accepted as a value, characters: the longest path on Linux."""

@@ -4,13 +4,10 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 FEWEST_STEPS = 32
 """Fewest steps from sample to sample in a block that is compared with the one before."""

@@ -4,17 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 import contextlib
 import itertools
 import os
 from pathlib import Path
 import secrets
-from typing import BinaryIO, TYPE_CHECKING
+from typing import BinaryIO
 
 from bearing_twin.errors import BearingTwinError, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @contextlib.contextmanager

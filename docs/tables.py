@@ -10,6 +10,7 @@ Each node is started in this process, with no network, and asked what it has::
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 import importlib
 import inspect
 import os
@@ -33,8 +34,6 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from bearing_twin.assets.parameters.spec import Spec
     from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.qos import QoSProfile

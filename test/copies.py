@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from mcap.writer import Writer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.writer import RecordingWriter
 

@@ -10,6 +10,7 @@ of the terminal, of interrupts, launching and compiling, which start it as a use
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import multiprocessing
 from multiprocessing import forkserver
 import os
@@ -17,15 +18,13 @@ from pathlib import Path
 import subprocess
 import sys
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import BinaryIO, TYPE_CHECKING
 
 from bearing_twin.ros.processes.launching import COMMAND, NodeProcesses
 from bearing_twin.start import command
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
     from multiprocessing.context import ForkServerProcess
-    from typing import BinaryIO
 
 _FORKING = multiprocessing.get_context('forkserver')
 _FORKING.set_forkserver_preload(['preloaded'])

@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import threading
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin import disksync
 from bearing_twin.disksync import DiskSync, SILENT
 from bearing_twin.errors import BearingTwinError
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 def threads() -> list[threading.Thread]:

@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 import array
+from collections.abc import Iterator
 import contextlib
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin import __version__
 from bearing_twin.assets.messages import time_message
@@ -15,9 +16,6 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_table
 from bearing_twin_msgs.msg import Checkpoint
 from std_msgs.msg import Header
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 class Checkpoints:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -25,8 +26,6 @@ from bearing_twin.streams.shaft import NEAR, speed_doubt
 from bearing_twin.streams.vibration_input import counts_doubt
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis.chain import Analysis, Excerpt

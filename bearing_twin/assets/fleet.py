@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 import re
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.assets.checkpoints import parameters_of
 from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
@@ -17,10 +18,6 @@ from bearing_twin.errors import BearingTwinError, FileError
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.wholefile import given_path
 import yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 
 SHARED = ('sample_rate', 'block_size', 'checkpoint_period')
 """Parameters that are common to all twins of a fleet: their blocks are computed together."""

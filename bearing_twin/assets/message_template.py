@@ -4,18 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 import functools
 import struct
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 CODES = {'double': 'd', 'uint64': 'Q', 'uint32': 'I', 'int32': 'i', 'uint8': 'B'}
 PROBES = 8

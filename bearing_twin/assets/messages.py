@@ -14,12 +14,12 @@ from bearing_twin.stamps import split_ns
 from bearing_twin_msgs.msg import Diagnosis, Spectrum
 from builtin_interfaces.msg import Time
 import numpy as np
+from numpy.typing import NDArray
 from std_msgs.msg import Float64MultiArray, Header
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.diagnosis import Spectrum as SpectrumResult
-    from numpy.typing import NDArray
 
 
 def time_message(ns: int) -> Time:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 import struct
@@ -25,8 +26,6 @@ from bearing_twin.streams.vibration_input import Inputs
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
     from bearing_twin.assets.calibration.fitted import FittedModel
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.single.simulator import Block

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from operator import attrgetter
 from typing import Any, NamedTuple, TYPE_CHECKING
 
@@ -16,8 +17,6 @@ from bearing_twin.streams.vibration_input import VibrationBlock
 from bearing_twin_msgs.msg import TwinState, Vibration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.dynamics.single.simulator import Block
     from bearing_twin.streams.pacer import Due
     from bearing_twin.thermal.gate import GatedTemperature

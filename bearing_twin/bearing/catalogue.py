@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import contextlib
 import csv
 import difflib
@@ -13,14 +14,10 @@ import math
 import re
 import string
 from types import MappingProxyType
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.bearing.geometry import Bearing, FaultFrequencies
 from bearing_twin.errors import BearingTwinError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 _MAKERS = 'skf|fag|ina|nsk|ntn|snr|koyo|nachi|timken|zkl|urb|fbj|c&u|schaeffler|jtekt'
 _SUFFIX = r'(?:-?2?(?:rs[a-z0-9]?|rz|z|ru|rd)|zz|vv|ddu?|ll[ubh]|c[2345]|cn|cm|tn9?|jem|m|j|n|nr)'

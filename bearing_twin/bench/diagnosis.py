@@ -4,20 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import itertools
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis import diagnose_record, DiagnosisSettings, StreamingDiagnoser
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
 
 RATE, SHAFT_HZ, LEVEL = 25600.0, 25.0, 6
 REPEATS = 15

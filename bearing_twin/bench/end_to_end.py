@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import os
 from pathlib import Path
 import tempfile
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.reader import read_messages
@@ -17,10 +17,6 @@ from bearing_twin.ros.processes.launching import local_environment, NodeProcesse
 from bearing_twin.stamps import stamp_ns
 import numpy as np
 import psutil
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 START_TIMEOUT = 600.0
 RECORDED = 100_000

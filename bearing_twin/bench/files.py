@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 import subprocess
 import tempfile
@@ -16,8 +17,6 @@ from bearing_twin.ros.processes.launching import COMMAND
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from psutil import Process
 
 FILES, SECONDS = 1000, 10

@@ -10,6 +10,7 @@ best of several runs.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 import time
@@ -23,8 +24,6 @@ from bearing_twin.dynamics.single.simulator import Simulator
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from bearing_twin.dynamics.parameters import TwinParameters
 
 

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import math
 import os
 from pathlib import Path
 import tempfile
 import time
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
 from bearing_twin.bench.end_to_end import cpu_seconds, wait_for
 from bearing_twin.diagnosis import compilation as diagnosis_kernels
@@ -20,10 +21,6 @@ from bearing_twin.nodes.fleet import BLOCK
 from bearing_twin.recording.reader import read_messages
 from bearing_twin.ros.processes.domain import own_domain
 from bearing_twin.ros.processes.launching import local_environment, NodeProcesses
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 FEW = 16
 """Bearings of the first run."""

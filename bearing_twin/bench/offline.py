@@ -7,16 +7,14 @@ from __future__ import annotations
 from pathlib import Path
 import tempfile
 import time
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
 from bearing_twin.dynamics import preset, Simulator
 from bearing_twin.offline.run import run_offline
 from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.temperature import paper_schedule, write_temperature_recording
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 _RUNS = 3
 _BLOCK = 1024

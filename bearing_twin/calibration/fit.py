@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 import itertools
 import math
@@ -61,8 +62,6 @@ import numpy.typing as npt
 import scipy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.calibration.candidates.posterior import Posterior
     from bearing_twin.calibration.measured.summaries import Correlation, Summary

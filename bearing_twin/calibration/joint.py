@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,6 @@ from bearing_twin.errors import BearingTwinError
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from bearing_twin.calibration.answer.impacts import Impacts
     from bearing_twin.calibration.answer.result import Calibration
     from bearing_twin.calibration.candidates.cloud import Situation

@@ -15,13 +15,13 @@ Shells that have run ``eval "$(register-python-argcomplete bearing-twin)"`` comp
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 import errno
 import gc
 import importlib
 import os
 import sys
 import threading
-from typing import TYPE_CHECKING
 
 from bearing_twin import __version__
 from bearing_twin.cli.arguments import refuse_command, refuse_unknown, take_as_meant
@@ -33,9 +33,6 @@ from bearing_twin.process import (
     keep_freed_memory,
     Terminated,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 __all__ = ['COMMANDS', 'main']
 

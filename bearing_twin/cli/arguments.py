@@ -5,17 +5,13 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable, Sequence
 import difflib
 import os
 from pathlib import Path
 import re
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import shown, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
 
 TOPIC = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
 """Valid ROS topic names."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import asdict
 import json
 import math
@@ -15,8 +16,6 @@ from bearing_twin.diagnosis.rules.fits import striking_parts
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
-    import argparse
-
     from bearing_twin.bearing import Bearing
 
 

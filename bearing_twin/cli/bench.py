@@ -4,21 +4,18 @@
 
 from __future__ import annotations
 
+import argparse
 from functools import partial
 import importlib
 import json
 import os
 import platform
 import sys
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
 from bearing_twin import __version__
 from bearing_twin.cli.terminal import by_level, wrapped
 from bearing_twin.errors import BearingTwinError, UsageError
-
-if TYPE_CHECKING:
-    import argparse
-
 
 BENCHES = {
     'kernel': 'bearing seconds per core second of the equations of motion',

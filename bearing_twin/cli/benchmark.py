@@ -14,7 +14,9 @@ set anything.
 
 from __future__ import annotations
 
+import argparse
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 import difflib
@@ -46,9 +48,6 @@ from bearing_twin.studies.reliability import calibration_error
 import numpy as np
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterable, Iterator
-
     from bearing_twin.diagnosis import Diagnosis
 
 

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
+import argparse
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 import json
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis import compilation as diagnosis
 from bearing_twin.dynamics import compilation as dynamics
@@ -21,9 +21,6 @@ from bearing_twin.numerics.compiled import (
     why_not_kept,
 )
 from bearing_twin.process import end_with_parent
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import asdict
 from datetime import datetime, UTC
 import json
@@ -19,8 +20,6 @@ from bearing_twin.recording.temperature import is_undated
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
-    import argparse
-
     from bearing_twin.recording.health import RecordingHealth
     from bearing_twin.recording.reader import RecordingInfo
 

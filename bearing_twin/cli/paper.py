@@ -4,18 +4,14 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import processes
 from bearing_twin.errors import UsageError
 from bearing_twin.paper import claims_table, recompute, summary_line
-
-if TYPE_CHECKING:
-    import argparse
-
 
 MOST_PROCESSES = 256
 

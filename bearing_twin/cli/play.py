@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Callable
 import contextlib
 from dataclasses import dataclass
 from functools import partial
@@ -20,9 +22,6 @@ from bearing_twin.stamps import samples_ns
 import numpy as np
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Callable
-
     from bearing_twin.recording.signals.signalfile import Signal
     from rclpy.publisher import Publisher
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -24,8 +25,6 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.calibration import Calibration
     from bearing_twin.diagnosis import Diagnosis
     import numpy as np

@@ -4,16 +4,13 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import asdict
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import shown
 from bearing_twin.recording.recover import recover
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Iterator
 import contextlib
 from dataclasses import asdict
 import json
@@ -12,17 +14,12 @@ import signal
 import sys
 import threading
 import time
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.cli.arguments import refuse_given
 from bearing_twin.cli.terminal import percent
 from bearing_twin.errors import shown, UsageError
 import yaml
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
 
 LIVE = ('rate', 'loop', 'start_offset', 'duration', 'topics', 'remap', 'clock', 'start_paused')
 OFFLINE = ('output', 'temperature', 'twin', 'diagnosis', 'json')

@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 from pathlib import Path
 import tempfile
-from typing import TYPE_CHECKING
 
 from bearing_twin.cli.signal_arguments import add_signal_arguments, as_recordings
 from bearing_twin.errors import UsageError
 from bearing_twin.wholefile import output_file
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

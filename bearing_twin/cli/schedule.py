@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import refuse_given, refuse_topic
 from bearing_twin.errors import refused
@@ -17,9 +17,6 @@ from bearing_twin.recording.temperature import (
     write_temperature_recording,
 )
 import numpy as np
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

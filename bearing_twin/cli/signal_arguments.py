@@ -4,22 +4,19 @@
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Sequence
 import itertools
 import math
 import os
 from pathlib import Path
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.bearing import Bearing, find_bearing, named_bearing, own_bearing
 from bearing_twin.cli.arguments import file_name, refuse_given
 from bearing_twin.errors import refused, UsageError
 from bearing_twin.recording.finding import ending, find_recording, SIGNAL_FILES
 from bearing_twin.recording.signals.dataset import chosen_signals, is_dataset
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Sequence
-
 
 SIGNAL_OPTIONS = ('bearing', 'geometry', 'shaft_hz', 'rpm', 'sample_rate', 'channel', 'unit')
 """Options that describe vibration files."""

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from io import TextIOWrapper
 import math
 from numbers import Integral, Real
@@ -13,13 +13,9 @@ from pathlib import Path
 from shutil import get_terminal_size
 import sys
 import textwrap
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 _COLOURS = {'ok': '32', 'suspect': '33', 'fault': '1;31', 'none': '36', 'bold': '1'}
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import asdict
 import json
 from pathlib import Path
@@ -14,8 +15,6 @@ from bearing_twin.offline.verify import reproduce
 from bearing_twin.recording.finding import find_recording
 
 if TYPE_CHECKING:
-    import argparse
-
     from bearing_twin.offline.agreement import Reproduction
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 import functools
 from pathlib import Path
 import re
@@ -11,7 +12,6 @@ import shutil
 import socket
 import sys
 import tempfile
-from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from bearing_twin.cli.arguments import refuse_given
@@ -21,10 +21,6 @@ from bearing_twin.errors import BearingTwinError, shown, UsageError
 from bearing_twin.view.rerun.viewer import HeadlessViewer, live_url, show, show_in_browser
 from bearing_twin.view.style import PAGES
 from bearing_twin.wholefile import output_file
-
-if TYPE_CHECKING:
-    import argparse
-
 
 LARGEST = 4096
 """Largest side of a picture that Rerun draws without a display, pixels."""

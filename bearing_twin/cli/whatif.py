@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 from contextlib import nullcontext
 from dataclasses import asdict
 import json
@@ -19,8 +20,6 @@ from bearing_twin.cli.terminal import wrapped
 from bearing_twin.errors import BearingTwinError, shown
 
 if TYPE_CHECKING:
-    import argparse
-
     from bearing_twin.calibration.whatif import Interval
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 import itertools
@@ -40,11 +41,10 @@ from bearing_twin.diagnosis.signal.shaft import shafts_instead_hz, ShaftSpeed, S
 from bearing_twin.diagnosis.thresholds import HARMONICS, INDEX_FAULT, RIVAL, SWAY, Z_SECOND_LOOK
 from bearing_twin.diagnosis.window import analyse_window
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from bearing_twin.bearing import Bearing, FaultFrequencies
     from bearing_twin.diagnosis.combs.candidate import Candidate
     from bearing_twin.diagnosis.result import Spectrum
@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
     from bearing_twin.diagnosis.signal.severity import Severity
     from bearing_twin.diagnosis.window import Window
-    from numpy.typing import NDArray
 
 
 _CLEARER = 1.1

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 import functools
 import itertools
@@ -24,13 +25,11 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import one_axis, real_number, real_numbers
 from bearing_twin.repeats import repeated_span
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
-    from numpy.typing import ArrayLike, NDArray
 
 
 WINDOW_TURNS = 256.0

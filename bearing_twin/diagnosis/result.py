@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 import math
 from typing import TYPE_CHECKING
@@ -12,12 +13,10 @@ from bearing_twin.bearing import FAULT_CODES, fault_frequencies, PLACES
 from bearing_twin.diagnosis.rules.confidence import Trust
 from bearing_twin.diagnosis.signal.severity import Severity
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.bearing import Bearing, FaultFrequencies
-    from numpy.typing import NDArray
 
 
 def _nothing() -> NDArray[np.float32]:

@@ -24,12 +24,12 @@ from bearing_twin.given import one_axis, real_number
 from bearing_twin.packed import pack, restored, unpack
 from bearing_twin.quantity import check_range, check_whole
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.chain import Analysis
     from bearing_twin.diagnosis.result import Diagnosis
-    from numpy.typing import ArrayLike, NDArray
 
 
 _VERSION = 23

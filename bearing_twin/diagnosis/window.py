@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 import statistics
@@ -24,17 +25,15 @@ from bearing_twin.diagnosis.signal.spectra import (
 )
 from bearing_twin.numerics.vector import L
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.settings import DiagnosisSettings
     from bearing_twin.diagnosis.signal.demodulation import Layout, Segment
     from bearing_twin.diagnosis.signal.severity import Severity
     from bearing_twin.diagnosis.signal.shaft import SpeedProfile
     from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
@@ -14,8 +15,6 @@ from bearing_twin.dynamics.parameters import DOWN, TwinParameters
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.dynamics.parameters import Profile
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TYPE_CHECKING
 import zlib
@@ -11,7 +12,6 @@ import zlib
 from bearing_twin.errors import BearingTwinError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     import struct
 
     from bearing_twin.dynamics.parameters import TwinParameters

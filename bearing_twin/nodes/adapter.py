@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import math
 import time
 from typing import Any, TYPE_CHECKING
@@ -36,8 +37,6 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import Float32MultiArray, Float64MultiArray, Int16MultiArray, Int32MultiArray
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.streams.sampling import SampledBlock
     from rclpy.subscription import MessageInfo
     from std_msgs.msg import MultiArrayLayout

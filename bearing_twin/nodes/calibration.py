@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Mapping
 import math
 import time
 import traceback
@@ -37,7 +38,6 @@ from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import JointState, Temperature
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Mapping
     from concurrent.futures import Future
 
     from bearing_twin.assets.calibration.task import Fit, Task

@@ -4,16 +4,14 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from collections.abc import Mapping
+from typing import Any
 
 from bearing_twin.assets.parameters.diagnosis import check_diagnosis, SPECS
 from bearing_twin.diagnosis.compilation import warm_up
 from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics
 from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import ManagedNode
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 class DiagnosisNode(ManagedNode):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Awaitable, Mapping
 import math
 import time
 from typing import Any, TYPE_CHECKING
@@ -34,8 +35,6 @@ from sensor_msgs.msg import JointState, Temperature
 from std_msgs.msg import Float64MultiArray
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Mapping
-
     from bearing_twin.assets.diagnosis import DueVerdict, Verdict
     from bearing_twin.diagnosis import Diagnosis as DiagnosisResult
     from bearing_twin.ros.lifecycle import ManagedNode

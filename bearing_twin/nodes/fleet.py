@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 import math
@@ -37,8 +38,6 @@ from bearing_twin.streams.pacer import Due
 from bearing_twin_msgs.msg import Checkpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.dynamics.fleet.fleet import Fleet, FleetBlock
     from bearing_twin.dynamics.single.simulator import Simulator
 

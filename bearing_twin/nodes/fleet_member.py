@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, TYPE_CHECKING
 
@@ -15,8 +16,6 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.parameters import ParameterSet
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.assets.fleet import Asset
     from bearing_twin.assets.twin import TwinChannel
     from bearing_twin.nodes.diagnosis_topics import DiagnosisTopics

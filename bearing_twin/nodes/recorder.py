@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from datetime import datetime
 import time
 from typing import Any, TYPE_CHECKING
@@ -28,8 +29,6 @@ from bearing_twin.wholefile import free_path, given_path
 from rclpy.clock import Clock, ClockType
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from rclpy.qos import QoSProfile
     from rclpy.subscription import MessageInfo
 

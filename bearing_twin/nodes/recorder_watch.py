@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 import contextlib
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
@@ -24,8 +25,6 @@ from bearing_twin.wholefile import free_path, given_path
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.recording.writer import RecordingWriter
     from bearing_twin.view.rerun.logger import RerunLogger
     from rclpy.impl.rcutils_logger import RcutilsLogger

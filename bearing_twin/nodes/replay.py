@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from itertools import islice
 import math
@@ -26,8 +27,6 @@ from rclpy.exceptions import NameValidationException
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import TopicInfo
     from rclpy.publisher import Publisher

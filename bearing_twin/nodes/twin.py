@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.parameters.realtime import PUBLISHING
@@ -23,8 +24,6 @@ from bearing_twin.ros.lifecycle import ManagedNode
 from bearing_twin.ros.topics.subscribing import receiver_clock
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.assets.calibration.fitted import FittedModel
     from bearing_twin.streams.pacer import Due
 

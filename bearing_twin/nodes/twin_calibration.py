@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import math
 import os
 from typing import Any, TYPE_CHECKING
@@ -18,8 +19,6 @@ from bearing_twin.streams.statefile import StateFolder
 from bearing_twin_msgs.msg import Calibration
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.assets.calibration.fitted import FittedModel
     from bearing_twin.assets.twin import Twin
     from bearing_twin.ros.health import Health

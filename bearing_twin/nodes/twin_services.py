@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from bearing_twin.ros.lifecycle import answered
@@ -12,8 +13,6 @@ from bearing_twin_msgs.srv import InjectDefect, LoadState, SaveState
 from rclpy.parameter import Parameter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from bearing_twin.ros.lifecycle import ManagedNode
     from bearing_twin.ros.parameters import ParameterSet
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import math
 import time
 from typing import Any, TYPE_CHECKING
@@ -19,8 +20,6 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState, Temperature
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.assets.twin import TwinChannel
     from bearing_twin.assets.twin_messages import StateSchedule, TwinBlock
     from bearing_twin.dynamics.single.condition import Condition

@@ -10,6 +10,7 @@ other sources is never loaded.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import contextlib
 import functools
 import hashlib
@@ -20,15 +21,11 @@ import pickle
 import shutil
 import tempfile
 import time
-from typing import Any, cast, TYPE_CHECKING, TypeVar
+from typing import Any, cast, TypeVar
 
 import numba as nb
 from numba.core import event
 from numba.core.caching import FunctionCache
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 FAST = frozenset({'contract', 'reassoc', 'nsz', 'arcp', 'nnan', 'ninf'})
 """Fast-math flags of the kernels; results on one machine remain the same to the bit."""

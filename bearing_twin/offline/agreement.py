@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.recording.mcap.schema import canonical_cdr
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
 
 

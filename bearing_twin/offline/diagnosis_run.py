@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator, Mapping
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -17,8 +18,6 @@ from bearing_twin.streams.vibration_input import read_vibration
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from bearing_twin.assets.diagnosis import Verdict
     from bearing_twin.offline.output import Output
     from bearing_twin.streams.vibration_input import VibrationBlock

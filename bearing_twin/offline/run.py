@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import chain
 import math
 import os
+from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.parameters import diagnosis as diagnosis_parameters
@@ -32,9 +34,7 @@ from bearing_twin.streams.pacer import Due
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
     from concurrent.futures import Future
-    from pathlib import Path
 
     from bearing_twin.assets.diagnosis import DueVerdict
     from bearing_twin.assets.twin import TwinInputs

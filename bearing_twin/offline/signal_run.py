@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.messages import floats, message_header
@@ -21,8 +22,6 @@ from bearing_twin.stamps import samples_ns
 from bearing_twin_msgs.msg import Vibration
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.recording.signals.signalfile import Signal
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.assets.checkpoints import configuration_values, parameters_of
@@ -19,8 +20,6 @@ from bearing_twin.streams.pacer import Due
 from bearing_twin.thermal.gate import GatedTemperature
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.dynamics.fleet.fleet import Fleet
     from bearing_twin.offline.agreement import Reproduction
     from bearing_twin.recording.mcap.catalogue import RecordedMessage

@@ -11,7 +11,9 @@ on the temperature in the ``Diagnosis`` itself.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 import heapq
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -26,9 +28,6 @@ from bearing_twin.streams.ahead import ahead
 from bearing_twin.streams.vibration_input import SOURCE_MEASURED
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
-    from pathlib import Path
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import TopicInfo
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -22,8 +23,6 @@ from bearing_twin.paper.study import run_study
 from tqdm import tqdm
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.paper.claims.claim import Claim
     from bearing_twin.paper.study import Study
 

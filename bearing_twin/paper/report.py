@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.paper import settings
@@ -15,8 +15,6 @@ from bearing_twin.paper.figures.drawings import FIGURES
 from bearing_twin.thermal import gcr15
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from bearing_twin.paper.claims.claim import Claim
 
 

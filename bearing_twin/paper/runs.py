@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 import dataclasses
 from dataclasses import dataclass, field
@@ -24,8 +25,6 @@ import numpy.typing as npt
 from tqdm import tqdm
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
     from bearing_twin.dynamics import TwinParameters
     from bearing_twin.dynamics.parameters import Profile, ThermalMode
 

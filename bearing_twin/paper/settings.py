@@ -8,15 +8,12 @@ Zhang, C.; Liu, T.; Wang, Y.; He, H.; Zhang, C. Symmetry 2023, 15, 2166 (CC BY).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Literal, TYPE_CHECKING
+from typing import Literal
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.thermal.gcr15 import Beta0, TEMPERATURES
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 Factor = Literal['expansion', 'hardness', 'friction', 'all']
 

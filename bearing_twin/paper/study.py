@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 import functools
 from itertools import product
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
 from bearing_twin.bearing import fault_frequencies
 from bearing_twin.dynamics.trend import impact_amplitude
@@ -18,10 +19,6 @@ from bearing_twin.paper.settings import COLD, HOT
 from bearing_twin.paper.space import Grid, SPACE, Space, STATES
 import numpy as np
 import numpy.typing as npt
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
 
 FloatArray = npt.NDArray[np.float64]
 

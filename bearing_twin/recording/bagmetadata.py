@@ -8,9 +8,11 @@ Version, fields and their order follow rosbag2_storage (``metadata_io.cpp``) sin
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 import os
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording.qos import read_qos
@@ -18,9 +20,6 @@ from bearing_twin.wholefile import whole_file
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
     from bearing_twin.disksync import DiskSync
 
 

@@ -5,14 +5,10 @@
 from __future__ import annotations
 
 from datetime import datetime, UTC
+from pathlib import Path
 import re
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 ORDERS = ('day-first', 'month-first')
 """Orders of dates such as 04/03/2026."""

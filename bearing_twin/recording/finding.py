@@ -5,15 +5,11 @@
 from __future__ import annotations
 
 from collections import Counter
+from pathlib import Path
 import re
 import shlex
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 SQLITE = '.db3'
 """Suffix of the files of a bag in the storage sqlite3, the default of ROS 2 before Iron."""

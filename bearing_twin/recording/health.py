@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -14,9 +16,6 @@ from bearing_twin.recording.topics import VIBRATION
 from bearing_twin.stamps import NANO, stamp_ns
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import RecordingInfo
 

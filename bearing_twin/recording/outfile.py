@@ -9,6 +9,7 @@ import contextlib
 from dataclasses import dataclass, field
 import fcntl
 import os
+from pathlib import Path
 import struct
 import time
 from typing import NamedTuple, TYPE_CHECKING
@@ -21,8 +22,6 @@ from mcap.records import Channel, Message, Schema
 from mcap.writer import CompressionType, Writer
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.disksync import DiskSync
     from bearing_twin.recording.mcap.schema import MessageSchema
     from mcap.data_stream import RecordBuilder

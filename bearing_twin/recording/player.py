@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -12,9 +14,6 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
-    from pathlib import Path
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import TopicInfo
 

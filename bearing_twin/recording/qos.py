@@ -4,15 +4,12 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain
 import yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
 
 NEVER = {'sec': 9223372036, 'nsec': 854775807}
 """The infinite duration of rmw."""

@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterator
 import contextlib
 from dataclasses import dataclass, field
 import itertools
+from pathlib import Path
 import struct
-from typing import BinaryIO, TYPE_CHECKING
+from typing import BinaryIO
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.finding import natural, reading_hint
@@ -36,11 +38,6 @@ from bearing_twin.recording.mcap.summary import summary_records
 from bearing_twin.stamps import NANO
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata, Statistics
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
-    from pathlib import Path
-
 
 MOST_METADATA = 8 * 1024 * 1024
 """Most bytes of metadata that are read from a recording."""

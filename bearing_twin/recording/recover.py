@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass, field
 import fcntl
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -30,8 +31,6 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata, Statistics
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.recording.mcap.catalogue import RecordedChannel, RecordedMessage
     from bearing_twin.recording.mcap.mcapfile import RawRecord
     from bearing_twin.recording.writer import RecordingWriter

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import UsageError
@@ -13,8 +14,6 @@ from bearing_twin.stamps import NANO
 from bearing_twin.wholefile import free_path
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.recording.outfile import MessageToStore
 
 

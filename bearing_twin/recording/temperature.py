@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 import re
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.dates import seconds_since_1970, with_iso_dates
@@ -19,12 +20,7 @@ from bearing_twin.recording.topics import TEMPERATURE
 from bearing_twin.recording.writer import whole_recording
 from bearing_twin.stamps import LATEST, NANO, split_ns
 import numpy as np
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 START = 1_577_836_800 * NANO
 """Stamp of undated data, 2020-01-01 00:00 UTC, so that a command always writes the same file."""

@@ -18,10 +18,12 @@ The path of a message:
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 import contextlib
 from dataclasses import dataclass
+from pathlib import Path
 import time
-from typing import TYPE_CHECKING
+from typing import Self, TYPE_CHECKING
 
 from bearing_twin.disksync import DiskSync
 from bearing_twin.errors import BearingTwinError, UsageError
@@ -32,10 +34,6 @@ from bearing_twin.recording.outfile import Attachment, MessageToStore, OutputFil
 from bearing_twin.stamps import NANO
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-    from typing import Self
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.mcap.schema import MessageSchema
 

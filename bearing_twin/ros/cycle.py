@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import time
 from typing import TYPE_CHECKING
 
@@ -15,8 +16,6 @@ from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from bearing_twin.ros.health import Status
     from bearing_twin.ros.lifecycle import ManagedNode
     from bearing_twin.ros.parameters import ParameterSet

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack, suppress
 import time
 from typing import Any, TYPE_CHECKING
@@ -19,8 +20,6 @@ from rclpy.executors import (
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.signals import SignalHandlerGuardCondition

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
 import gc
 import sys
 import threading
@@ -27,8 +28,6 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
-
     from bearing_twin.assets.parameters.spec import Spec
     from rclpy.impl.rcutils_logger import RcutilsLogger
     from rclpy.lifecycle import LifecycleState

@@ -5,19 +5,16 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from itertools import pairwise
 from pathlib import Path
 import re
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import FileError
 import yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
 
 PARAMETERS = 'ros__parameters'
 WILDCARDS = {'*': r'/\w+', '**': r'(/\w+)*'}

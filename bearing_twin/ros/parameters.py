@@ -8,6 +8,7 @@ Declare, check and apply the parameters of a node from its table.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.assets.parameters.spec import configuration, no_parameter, read_values
@@ -24,8 +25,6 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
     from bearing_twin.assets.parameters.spec import Spec
     from rclpy.node import Node
 

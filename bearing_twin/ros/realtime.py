@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import ctypes
 import os
 from typing import Any, TYPE_CHECKING
@@ -14,8 +15,6 @@ from bearing_twin.ros.health import Level, Status
 from bearing_twin.streams.pacer import Pacer
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.streams.pacer import LatenessReport
     from bearing_twin.streams.timing import CycleStatistics
 

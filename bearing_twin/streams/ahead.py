@@ -4,13 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 import queue
 import threading
-from typing import TYPE_CHECKING, TypeVar
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
+from typing import TypeVar
 
 T = TypeVar('T')
 

@@ -6,15 +6,12 @@ from __future__ import annotations
 
 from collections import deque
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.stamps import NANO, samples_ns
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 ESTIMATE_FROM = 256
 """Number of stamps for the estimate of an unknown sample rate."""

@@ -4,14 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import math
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 MOST_NAMED = 5
 """Most joints that are named in place of the one that is missing."""

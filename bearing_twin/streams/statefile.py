@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 import errno
 import fcntl
@@ -21,8 +22,6 @@ from bearing_twin.wholefile import given_path, whole_file
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.disksync import Job
 
 

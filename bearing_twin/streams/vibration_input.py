@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 import math
 import time
@@ -15,12 +16,10 @@ from bearing_twin.streams.shaft import FASTEST_SHAFT, ShaftSpeed
 from bearing_twin.thermal.gate import PHYSICAL_LOW, TemperatureGate, TemperatureStatus
 from bearing_twin.thermal.gcr15 import TABLE_HIGH, TABLE_LOW
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.thermal.gate import GatedTemperature
-    from numpy.typing import NDArray
 
 
 LOWEST_RATE = 100.0

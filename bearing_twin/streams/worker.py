@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future
 import contextlib
 from multiprocessing import get_context
@@ -16,7 +17,6 @@ from typing import Any, Generic, TYPE_CHECKING, TypeVar
 from bearing_twin.process import end_with_parent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from multiprocessing.connection import Connection
 
 

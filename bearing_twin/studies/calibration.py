@@ -12,6 +12,7 @@ prints the tables of all lines. These machines set no interval, except CWRU: see
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import as_completed, ProcessPoolExecutor
 import functools
 from itertools import zip_longest
@@ -30,8 +31,6 @@ import numpy as np
 from scipy import stats
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
     Row = dict[str, Any]
     Task = tuple[str, str, Callable[..., list[Row]], tuple[Any, ...]]
     Table = tuple[Sequence[str], Iterable[Sequence[object]]]

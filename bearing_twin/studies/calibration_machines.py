@@ -10,9 +10,11 @@ the path are drawn at random.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 import json
 import math
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.bearing import find_bearing
@@ -41,14 +43,11 @@ from bearing_twin.dynamics import Fleet
 from bearing_twin.dynamics.parameters import widest
 from bearing_twin.recording.signals.signalfile import read_signal
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal, stats
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
     from bearing_twin.calibration import Calibration
-    from numpy.typing import NDArray
 
 
 BEARINGS = ('6001', '6203', '6204', '6205', '6206', '6208', '6210', '6305', '6308', '6310', '6313',

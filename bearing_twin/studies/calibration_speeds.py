@@ -33,11 +33,11 @@ from bearing_twin.studies.calibration_machines import (
     train,
 )
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.calibration.answer.impacts import Impacts
     from bearing_twin.calibration.candidates.cloud import Situation
-    from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
 

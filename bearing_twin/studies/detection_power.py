@@ -9,7 +9,8 @@ reads as ``bearing_twin/diagnosis/detection_power.json`` and prints it (some min
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Any
 
 from bearing_twin.bearing import find_bearing
 from bearing_twin.diagnosis import diagnose_record
@@ -17,10 +18,6 @@ from bearing_twin.dynamics.presets import preset
 from bearing_twin.dynamics.single.simulator import Simulator
 from bearing_twin.studies.output import arguments, print_table, write_table
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 BEARING = '6307-catalogue'
 RATE = 25600.0

@@ -5,15 +5,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import PLACES
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 CONDITIONS = ('none', *PLACES)
 """True conditions of the bearings of a study."""

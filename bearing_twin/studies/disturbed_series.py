@@ -12,17 +12,12 @@ for 300 snapshots of machines whose disturbances begin after 500 snapshots witho
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from bearing_twin.diagnosis.series.newest import EARLIER, FEWEST, judged, LATELY, OFTEN
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 SHARES = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.5)
 FIXED = (3, 5)

@@ -16,6 +16,7 @@ true condition and by machine.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from bearing_twin.bearing import PLACES
@@ -25,8 +26,6 @@ from bearing_twin.studies.disturbances import CONDITIONS
 from bearing_twin.studies.output import arguments, print_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from bearing_twin.diagnosis import Diagnosis
     import numpy as np
     from numpy.typing import NDArray

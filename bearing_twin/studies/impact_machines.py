@@ -12,17 +12,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import Bearing, fault_orders
 from bearing_twin.diagnosis.signal.demodulation import highest_fault_order
 from bearing_twin.studies.disturbances import CONDITIONS, disturbance, MACHINES
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 SHAPES = ('point', 'double', 'extended')
 """One impact per pass; one at each edge of a spall; noise while the ball is on the spall."""

@@ -21,7 +21,7 @@ narrowest load zone, of e = 0.1.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from bearing_twin.bearing import fault_orders, find_bearing
 from bearing_twin.diagnosis.chain import Excerpt
@@ -30,12 +30,7 @@ from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.diagnosis.thresholds import SWAY
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 SPREADS = (np.inf, 4.0, 2.2, 1.5, 1.0)
 """Spreads of the load zone; infinite: a part that does not move through the load."""

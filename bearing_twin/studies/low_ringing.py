@@ -13,6 +13,7 @@ lines of the outer race over the power in the range of its low multiples.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from bearing_twin.bearing import fault_orders, find_bearing
@@ -23,13 +24,11 @@ from bearing_twin.diagnosis.thresholds import LOW_LINES
 from bearing_twin.studies.disturbances import disturbance, MACHINES
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.bearing import Bearing
-    from numpy.typing import NDArray
 
 
 BEARINGS = ('6203', '6205', '6206', '6306', '6307', '6309', '6311', '6313')

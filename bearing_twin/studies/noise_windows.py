@@ -14,6 +14,7 @@ threshold of a score and of an effect size.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -35,14 +36,12 @@ from bearing_twin.diagnosis.thresholds import (
 )
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis import Diagnosis
-    from numpy.typing import NDArray
 
 
 KINDS = ('white', 'pink', 'lines')

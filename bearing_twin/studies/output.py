@@ -5,18 +5,16 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable, Mapping, Sequence
 import inspect
 import json
 from pathlib import Path
 import sys
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.process import keep_freed_memory
 from bearing_twin.wholefile import output_file
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
 
 
 def arguments(name: str, *, writes: bool = False, **counts: int) -> argparse.ArgumentParser:

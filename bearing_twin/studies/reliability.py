@@ -19,6 +19,8 @@ some forty minutes of one processor.
 
 from __future__ import annotations
 
+import argparse
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 import itertools
@@ -34,15 +36,12 @@ from bearing_twin.studies import impact_machines, twin_machines
 from bearing_twin.studies.generalisation import judge_case
 from bearing_twin.studies.output import arguments, print_table, read_lines, write_table
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Callable, Iterator, Sequence
-
     from bearing_twin.diagnosis import Diagnosis
     from bearing_twin.studies.generalisation import Machine
-    from numpy.typing import NDArray
 
 
 FEWEST = 25

@@ -10,6 +10,7 @@ finds the smallest change that nine of ten machines show.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 import functools
 import math
 from typing import TYPE_CHECKING
@@ -23,14 +24,12 @@ from bearing_twin.calibration.residual import (
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
+from numpy.typing import NDArray
 import scipy
 from scipy.signal import lfilter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from numpy.random import Generator
-    from numpy.typing import NDArray
 
     Draw = Callable[[Generator, tuple[int, int]], NDArray[np.float64]]
 

@@ -11,17 +11,13 @@ find a real one.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.machine.onset import DECISION_DB, REFERENCE_DB, Rise
 from bearing_twin.studies.disturbances import with_memory
 from bearing_twin.studies.output import arguments, print_table
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 YEAR = 365 * 24 * 60
 BASELINE = 60

@@ -9,6 +9,7 @@ their level: the prior of :mod:`bearing_twin.diagnosis.machine.dependence`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 import math
@@ -19,8 +20,6 @@ from bearing_twin.studies.output import arguments, print_table
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.dynamics.parameters import TwinParameters
 
 

@@ -5,15 +5,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
 from bearing_twin.bearing.vocabulary import PLACES
 from bearing_twin.view.verdict import impacts, pretty
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 QUANTITIES = {
     'amplitude': 'Amplitude',

@@ -12,17 +12,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.bearing.vocabulary import PLACES
 from bearing_twin.diagnosis.thresholds import HARMONICS
 from bearing_twin.view.style import FAMILIES
 from bearing_twin.view.verdict import impacts, pretty, same_window
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 ENVELOPE = 'squared_envelope_spectrum'
 CHANCE = 1e-3

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from copies import raw_recording
@@ -17,10 +19,6 @@ from bearing_twin.ros.health import Health
 from bearing_twin.ros.lifecycle import entities, ManagedNode
 from rclpy.lifecycle import TransitionCallbackReturn
 from std_msgs.msg import String
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 pytestmark = pytest.mark.ros
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 import pickle
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,6 @@ from commands import python
 import pytest
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from bearing_twin.paper.study import Study
 
 SCRIPT = """

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 import contextlib
 from functools import cache
 import json
@@ -16,7 +17,7 @@ import subprocess
 import sys
 import time
 import traceback
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.health import examine
@@ -30,9 +31,6 @@ from mcap.writer import CompressionType, Writer
 import numpy as np
 from recording_samples import QOS, START, VIBRATION, vibration_cdr, write_blocks
 from scipy.io import savemat, wavfile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 SECONDS = float(os.environ.get('FUZZ_SECONDS', '90'))
 """Time for each stage of make fuzz, s."""

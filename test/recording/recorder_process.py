@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import array
+from collections.abc import Callable
 import copy
 from pathlib import Path
 import shutil
@@ -21,8 +22,6 @@ from probe import KEPT, Probe, TIMEOUT
 from rclpy.duration import Duration
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from bearing_twin.recording.reader import RecordingInfo
     from rclpy.publisher import Publisher
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 import struct
 import time
 from typing import Any, TYPE_CHECKING
@@ -15,8 +16,6 @@ from bearing_twin.recording.writer import RecordingWriter, WriterOptions
 import numpy as np
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from rosbags.typesys.store import Typestore
 
 NANO = 1_000_000_000

@@ -17,6 +17,7 @@ window, twin, recorder and DDS are those of every day.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
 import json
@@ -25,7 +26,6 @@ import os
 from pathlib import Path
 import sys
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin import cli
 from bearing_twin.assets.messages import time_message
@@ -41,9 +41,6 @@ import psutil
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
 import yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 RATE = 25600.0
 BLOCK = 8192

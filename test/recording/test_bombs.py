@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import itertools
 from pathlib import Path
 import struct
 import time
 import tracemalloc
-from typing import Any, TYPE_CHECKING
+from typing import Any
 import zipfile
 import zlib
 
@@ -36,9 +37,6 @@ from recording_samples import (
 )
 from test_signal_files import npy
 import zstandard
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 MIB = 2**20
 ROOM = 512 * MIB

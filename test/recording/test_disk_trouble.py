@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 import resource
 import shutil
 import sys
 import time
 import tracemalloc
-from typing import TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
@@ -23,10 +24,6 @@ from bearing_twin.streams.statefile import StateFolder
 import pytest
 from recording_samples import put_block, START, vibration_cdr
 import yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 SIZE = len(vibration_cdr(0))
 

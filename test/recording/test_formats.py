@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import datetime, timedelta, UTC
 import json
 from pathlib import Path
 import re
 import sys
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.cli import main
 from bearing_twin.recording.signals.signalfile import read_signal
@@ -17,13 +18,9 @@ from bearing_twin.recording.signals.snapshots import read_snapshots, series_file
 import h5py
 from nptdms import ChannelObject, RootObject, TdmsWriter
 import numpy as np
+from numpy.typing import NDArray
 import pytest
 import pyuff
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
 
 RATE = 25600.0
 SHAFT_HZ = 29.95

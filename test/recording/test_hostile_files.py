@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 import random
 import time
-from typing import TYPE_CHECKING
 
 from absurd import absurd, ROOM
 from bearing_twin.errors import BearingTwinError
@@ -23,9 +23,6 @@ from fuzzing import at_most, clean, fuzz, KINDS, LONGEST, mutate, SECONDS, seeds
 from mcap.opcode import Opcode
 import pytest
 from recording_samples import write_blocks
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MOST_MEMORY = 512 * 1024 * 1024
 """Memory that reading a damaged file of a few kB may take beyond that of a sound one, bytes."""

@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 import array
+from collections.abc import Iterator
 import math
 import os
+from pathlib import Path
 import random
 import time
-from typing import TYPE_CHECKING
 
 from absurd import message
 from bearing_twin.recording.reader import recording_info
@@ -24,10 +25,6 @@ from recorder_process import Source, TIMEOUT
 from recording_samples import store
 from sensor_msgs.msg import Imu, JointState, Temperature
 from std_msgs.msg import Float32MultiArray
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 pytestmark = pytest.mark.ros
 

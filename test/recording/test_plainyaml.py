@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.plainyaml import load_plain, LONGEST
@@ -16,9 +16,6 @@ from bearing_twin.recording.recover import recover
 from bearing_twin.recording.writer import RecordingWriter
 import pytest
 from recording_samples import TEMPERATURE, temperature_cdr
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MERGES = 'a0: &a0 {k: v}\n' + ''.join(
     f'a{i}: &a{i} {{<<: [{",".join([f"*a{i - 1}"] * 10)}]}}\n' for i in range(1, 12)

@@ -6,16 +6,13 @@ from __future__ import annotations
 
 from itertools import islice
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.player import Player
 from bearing_twin.recording.writer import RecordingWriter
 import pytest
 from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.fixture

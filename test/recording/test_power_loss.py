@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 import os
+from pathlib import Path
 import time
 from typing import TYPE_CHECKING
 
@@ -18,9 +20,6 @@ from recording_samples import put_block, START
 import yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
     from bearing_twin.streams.statefile import KeptState
     from loopdisk import Disk
 

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 import os
+from pathlib import Path
 import random
 import re
 import resource
@@ -14,7 +16,6 @@ import signal
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.recording.health import examine, sent_before
 from bearing_twin.recording.reader import read_messages, recording_info
@@ -37,10 +38,6 @@ from sensor_msgs.msg import Temperature
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 import yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 pytestmark = pytest.mark.ros
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 import errno
 from pathlib import Path
 import shutil
@@ -26,8 +27,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from rclpy.node import Node
 
     Maker = Callable[..., Any]

@@ -8,10 +8,10 @@ import errno
 import fcntl
 import io
 import os
+from pathlib import Path
 import random
 import shutil
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.cli import main
 from bearing_twin.errors import BearingTwinError
@@ -46,9 +46,6 @@ from recording_samples import (
     write_blocks,
 )
 from rosbags.rosbag2 import Reader
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def chunks(path: Path) -> list[tuple[int, int, int]]:

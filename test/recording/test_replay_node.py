@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 import os
+from pathlib import Path
 import time
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.nodes.replay import ReplayNode
 from bearing_twin.offline.output import output
@@ -22,10 +24,6 @@ import rclpy
 from recorder_process import Source, TIMEOUT
 from recording_samples import PERIOD, TEMPERATURE, temperature_cdr, write_blocks
 from std_srvs.srv import Trigger
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 pytestmark = pytest.mark.ros
 

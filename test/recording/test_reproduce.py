@@ -4,14 +4,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 import json
 import math
 import os
+from pathlib import Path
 import signal
 import threading
 import time
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.assets.checkpoints import configuration_values
 from bearing_twin.assets.messages import floats, message_header
@@ -45,11 +47,6 @@ from recorder_process import Source, TIMEOUT
 from recording_samples import store
 from std_srvs.srv import Trigger
 import yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
 
 SNAPSHOTS = {'series_cycle': 10.0, 'series_snapshot': 1.0}
 COMPARED = ('/vibration', '/diagnosis', '/twin_state', '/envelope_spectrum', '/features/rms')

@@ -7,8 +7,9 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from io import BytesIO
 import math
+from pathlib import Path
 import pickle
-from typing import Any, TYPE_CHECKING
+from typing import Any
 import warnings
 import zipfile
 import zlib
@@ -31,9 +32,6 @@ from recording_samples import (
     write_blocks,
 )
 from scipy.io import loadmat, savemat, wavfile
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 X = np.random.default_rng(1).normal(size=5000)
 IMU = 'sensor_msgs/msg/Imu'

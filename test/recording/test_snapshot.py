@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.outfile import OVERHEAD
@@ -12,9 +12,6 @@ from bearing_twin.recording.reader import read_messages, recording_info
 from bearing_twin.recording.snapshot import SnapshotWriter
 import pytest
 from recording_samples import NANO, START, TEMPERATURE, temperature_cdr
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def put(writer: SnapshotWriter, second: int) -> None:

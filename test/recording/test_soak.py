@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from bearing_twin.offline.run import run_offline
 from bearing_twin.recording.health import examine
@@ -14,9 +14,6 @@ from commands import resident
 import numpy as np
 import pytest
 from soaking import AHEAD, BLOCK, NODES, RATE, soak, summary
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MOST_GROWTH = 20_000_000
 """Memory that the second half of a run may take beyond the first, bytes."""

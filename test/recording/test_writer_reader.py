@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 import shlex
 import struct
 import sys
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording import bagmetadata, reader
@@ -35,9 +35,6 @@ from rosbags.convert.cli import main as convert_bag
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 import yaml
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.mark.parametrize('name', ['run', 'run.mcap'])

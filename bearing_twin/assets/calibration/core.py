@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import replace
 import json
 import math
@@ -32,8 +33,6 @@ from bearing_twin_msgs.msg import Calibration
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.assets.calibration.task import Fit
     from bearing_twin.calibration.answer.impacts import Impacts
     from bearing_twin.streams.vibration_input import VibrationBlock

@@ -20,10 +20,10 @@ from bearing_twin.dynamics.equations.stability import steps
 from bearing_twin.dynamics.parameters import Defect, DOWN, FITTED, TwinParameters
 from bearing_twin.errors import BearingTwinError
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics.single.simulator import Block
-    from numpy.typing import NDArray
 
 
 GEOMETRY = ('n_balls', 'd_ball', 'd_pitch', 'contact_angle')

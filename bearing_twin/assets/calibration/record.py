@@ -13,10 +13,10 @@ from bearing_twin.calibration.residual import MOVED
 from bearing_twin.diagnosis.streaming import same_rate
 from bearing_twin.stamps import NANO
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.streams.vibration_input import VibrationBlock
-    from numpy.typing import NDArray
 
 
 @dataclass

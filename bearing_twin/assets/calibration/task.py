@@ -14,12 +14,12 @@ from bearing_twin.calibration.joint import corrected_by_speeds
 from bearing_twin.calibration.residual import spectral_levels
 from bearing_twin.dynamics.equations.sensor_path import band_levels
 import numpy as np
+from numpy.typing import NDArray
 import scipy
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.calibration.answer.impacts import Impacts
-    from numpy.typing import NDArray
 
 
 SHOWN_S = 2.0

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -24,8 +25,6 @@ from bearing_twin.streams.shaft import FASTEST_SHAFT
 from bearing_twin.streams.statefile import StateFolder
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.bearing import Bearing
 
 

@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 import contextlib
 from dataclasses import dataclass, replace
 import difflib
 import functools
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.quantity import quantities, Quantity
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 
 Value = bool | int | float | str | list[str]
 

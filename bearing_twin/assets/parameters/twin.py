@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.assets.parameters.shared import (
     CHECKPOINT_PERIOD,
@@ -30,10 +31,6 @@ from bearing_twin.quantity import quantities
 from bearing_twin.thermal.gcr15 import Beta0, TABLE_HIGH, TABLE_LOW
 from bearing_twin.thermal.lubricant import Lubricant
 from bearing_twin.thermal.network import ThermalNetwork
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 FASTEST_LIVE_SHAFT = 100.0
 """

@@ -9,20 +9,19 @@ times the shaft speed is constant. For a resonance or a rebound of the rotor the
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.calibration.answer.refusals import Kind, Refusal
 from bearing_twin.calibration.measured.summaries import ELSEWHERE, HIGH_SHARE
 import numpy as np
+from numpy.typing import NDArray
 import scipy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from bearing_twin.calibration.candidates.cloud import Situation
     from bearing_twin.calibration.measured.summaries import Correlation, Summary
-    from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
 

@@ -17,12 +17,12 @@ from bearing_twin.calibration.answer.healthy import (
 from bearing_twin.calibration.measured.summaries import CLEAR, ELSEWHERE, likeness, RIVAL
 from bearing_twin.dynamics.parameters import widest
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.calibration.candidates.cloud import Situation
     from bearing_twin.calibration.candidates.posterior import Posterior
     from bearing_twin.calibration.measured.summaries import Correlation, Summary
-    from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
 

@@ -26,10 +26,10 @@ from bearing_twin.dynamics.equations.sensor_path import SensorPath, window_lengt
 from bearing_twin.dynamics.parameters import check_bearing, FITTED
 from bearing_twin.errors import BearingTwinError
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.dynamics import TwinParameters
-    from numpy.typing import NDArray
 
 
 _POSITIVE = math.ulp(0.0)

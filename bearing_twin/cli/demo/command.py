@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import asdict
 from datetime import datetime
 import json
@@ -23,7 +24,6 @@ from bearing_twin.ros.processes.launching import COMPILING, local_environment, N
 from bearing_twin.wholefile import free_path
 
 if TYPE_CHECKING:
-    import argparse
     from contextlib import AbstractContextManager
 
     from bearing_twin.recording.reader import RecordingInfo

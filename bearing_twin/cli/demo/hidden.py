@@ -4,16 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 from bearing_twin.cli.terminal import lined_up
 from bearing_twin.ros.processes.launching import NodeProcesses
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from pathlib import Path
-
 
 WIDTH_MM = 2.0
 HIDDEN = {

@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import sys
 import time
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.ros.processes.deadlock import bounded, LEAVING
@@ -14,9 +15,6 @@ from bearing_twin.ros.topics.qos import RESULT, STREAM
 from bearing_twin_msgs.msg import Diagnosis, TwinState
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 class Watcher:

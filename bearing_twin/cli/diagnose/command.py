@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
+import argparse
 from dataclasses import replace
 from itertools import repeat
 import json
 from pathlib import Path
 import sys
-from typing import TYPE_CHECKING
 
 from bearing_twin.cli.arguments import file_name, refuse_given
 from bearing_twin.cli.diagnose.spread import answers
@@ -24,10 +24,6 @@ from bearing_twin.cli.signal_arguments import (
 from bearing_twin.cli.terminal import clear_progress, progress, shown_inside
 from bearing_twin.diagnosis.settings import DiagnosisSettings
 from bearing_twin.errors import BearingTwinError, refused, shown
-
-if TYPE_CHECKING:
-    import argparse
-
 
 SINGLE = ('speed_tolerance', 'plot', 'jobs', 'dask')
 SERIES = ('cycle', 'baseline', 'hold')

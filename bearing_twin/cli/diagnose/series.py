@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 from pathlib import Path
@@ -22,8 +23,6 @@ from bearing_twin.recording.signals.snapshots import read_snapshots, series_file
 from bearing_twin.view.verdict import LOUDER
 
 if TYPE_CHECKING:
-    import argparse
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.series.result import SeriesReport
 

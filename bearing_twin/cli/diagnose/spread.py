@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TYPE_CHECKING
@@ -15,8 +16,6 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.process import end_with_parent, keep_freed_memory
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
     from bearing_twin.cli.diagnose.task import Task
 
     _Diagnose = Callable[[Task], dict[str, Any]]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 import math
@@ -16,12 +17,10 @@ from bearing_twin.diagnosis.thresholds import HARMONICS
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
-    from numpy.typing import NDArray
 
 
 _LOWEST_ORDER = 0.3

@@ -4,15 +4,13 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.diagnosis.signal.lines import nearest_row, NEUTRAL
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import chosen, highest, L, load
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 
 @compiled(fast=FAST, borrows=True)

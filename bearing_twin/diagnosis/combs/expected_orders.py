@@ -16,11 +16,11 @@ from bearing_twin.diagnosis.thresholds import (
     UNLIKELY_SLIP,
 )
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.combs.candidate import Candidate
-    from numpy.typing import NDArray
 
 
 _SIDEBANDS = 10

@@ -27,6 +27,7 @@ from bearing_twin.diagnosis.thresholds import (
 )
 from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.combs.candidate import Candidate
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
     from bearing_twin.diagnosis.combs.sidebands import CombSidebands
     from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
-    from numpy.typing import NDArray
 
 
 _SPREAD = 0.42

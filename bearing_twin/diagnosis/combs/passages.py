@@ -21,11 +21,11 @@ from bearing_twin.bearing import fault_orders
 from bearing_twin.diagnosis.signal.spectra import local_floor
 from bearing_twin.diagnosis.thresholds import HARMONICS, SLIP
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from numpy.typing import NDArray
 
 
 _HALF_WIDTH = 0.75

@@ -9,16 +9,11 @@ as those of a gear, so they are capped before the envelope and modulate little.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from bearing_twin.diagnosis.signal.lines import without_two_highest
 from bearing_twin.diagnosis.signal.spectra import local_floor, quantiles
 from bearing_twin.diagnosis.thresholds import CARRIER, MAINS_HZ, SLIP, UNLIKELY_SLIP, Z_ELSEWHERE
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 _LOWEST = 4
 """Lowest harmonic that counts: passing balls make the lower ones."""

@@ -27,11 +27,11 @@ from bearing_twin.diagnosis.thresholds import (
 )
 from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.signal.shaft import ShaftSpeed
-    from numpy.typing import NDArray
 
 
 class CombSearch:

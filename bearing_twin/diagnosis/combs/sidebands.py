@@ -20,12 +20,12 @@ from bearing_twin.diagnosis.thresholds import (
 )
 from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.diagnosis.combs.candidate import Candidate
     from bearing_twin.diagnosis.combs.comb import OrderSpectra
     from bearing_twin.diagnosis.combs.expected_orders import ExpectedOrders
-    from numpy.typing import NDArray
 
 
 SIDEBANDS = 4

@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 import math
 import statistics
-from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.machine.dependence import (
     Condition,
@@ -21,12 +21,7 @@ from bearing_twin.diagnosis.machine.level import FAULT_DB
 from bearing_twin.diagnosis.signal.severity import MEASURES
 from bearing_twin.errors import BearingTwinError
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 SETTLED_DB, SETTLED_K = 1.0, 1.5
 """Largest change of level, dB, and temperature, K, over a settled window. While a bearing warms

@@ -11,20 +11,16 @@ corrected.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.numerics.compiled import compiled
 from bearing_twin.quantity import signed
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 PER_KELVIN = (-0.016, 0.05)
 """Mean and standard deviation of the change of level with temperature, dB/K, over healthy bearings

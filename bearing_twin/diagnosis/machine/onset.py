@@ -6,14 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 REFERENCE_DB = 3.0
 """Reference of the CUSUM: half of the 6 dB (twice the acceleration) to be found, which is the

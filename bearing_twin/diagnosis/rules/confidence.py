@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 import functools
 from importlib import resources
@@ -17,8 +18,6 @@ from bearing_twin.diagnosis.signal.gate import HEALTHY_TURNS
 from bearing_twin.diagnosis.thresholds import SLIP_COST
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.diagnosis.combs.candidate import Candidate
     from bearing_twin.diagnosis.rules.evidence import Evidence
 

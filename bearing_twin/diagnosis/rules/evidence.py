@@ -21,6 +21,7 @@ combs beside it. A rule about weak combs uses `all_combs` or `faint`.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property, wraps
 import math
@@ -51,8 +52,6 @@ from bearing_twin.diagnosis.thresholds import (
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.combs.comb import OrderSpectra
     from bearing_twin.diagnosis.combs.search import CombSearch

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from bearing_twin.bearing import catalogue, fault_orders, PLACES
 from bearing_twin.diagnosis.thresholds import SLIP
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from numpy.typing import NDArray
 
 
 _SLIPS = (SLIP[0], 0.015)

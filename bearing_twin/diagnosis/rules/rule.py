@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from bearing_twin.diagnosis.rules.evidence import Evidence
     from bearing_twin.diagnosis.rules.verdict import Verdict
 

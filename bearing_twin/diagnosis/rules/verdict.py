@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple, TYPE_CHECKING
 
 from bearing_twin.diagnosis.rules.confidence import confidence, kind_of, Trust
 from bearing_twin.diagnosis.thresholds import INDEX_FAULT, INDEX_NOISE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from bearing_twin.diagnosis.combs.candidate import Candidate
     from bearing_twin.diagnosis.rules.evidence import Evidence
 

@@ -20,12 +20,12 @@ from bearing_twin.diagnosis.signal.spectra import whiten
 from bearing_twin.diagnosis.thresholds import CARRIER, INDEX_FAULT, RIVAL
 from bearing_twin.errors import BearingTwinError
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 from scipy.ndimage import median_filter
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from numpy.typing import NDArray
 
 
 STEP = 0.05

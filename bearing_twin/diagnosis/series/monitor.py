@@ -11,6 +11,7 @@ may be seconds or weeks apart.
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 import math
@@ -51,15 +52,13 @@ from bearing_twin.packed import restored
 from bearing_twin.quantity import check_range, signed
 from bearing_twin.stamps import time_unit
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from bearing_twin.bearing import Bearing
     from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.series.averaging import Comb
-    from numpy.typing import ArrayLike, NDArray
 
 
 FALL_DB = 2.0

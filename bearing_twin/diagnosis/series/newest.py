@@ -12,17 +12,12 @@ than half of the snapshots it is no disturbance, but a fault that comes and goes
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 FEWEST, MOST = 5, 13
 """Least and largest number of newest snapshots that are judged."""

@@ -22,6 +22,7 @@ from bearing_twin.diagnosis.streaming import checked_block, PATIENCE, same_rate
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.packed import pack, restored, unpack
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from bearing_twin.diagnosis.result import Diagnosis
     from bearing_twin.diagnosis.series.result import SeriesReport
     from bearing_twin.diagnosis.settings import DiagnosisSettings
-    from numpy.typing import ArrayLike, NDArray
 
 
 _VERSION = 1024

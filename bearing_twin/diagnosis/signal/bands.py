@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import functools
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.diagnosis.signal.stockham import (
     aligned,
@@ -22,11 +22,8 @@ from bearing_twin.diagnosis.signal.stockham import (
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L, load, store
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 _MOST_TILES = 8
 

@@ -23,11 +23,11 @@ from bearing_twin.diagnosis.signal.severity import Levels, moments
 from bearing_twin.diagnosis.signal.spectra import line_cap, line_powers, transform, whiten
 from bearing_twin.diagnosis.thresholds import HARMONICS, KURTOSIS
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 if TYPE_CHECKING:
     from bearing_twin.bearing import Bearing
-    from numpy.typing import NDArray
 
 
 SECONDS = 1.0

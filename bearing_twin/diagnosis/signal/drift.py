@@ -5,14 +5,10 @@
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING
 
 from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 _DEGREE = 3
 """Degree of the polynomial: of a bias that settles over a third of the samples it leaves a step of

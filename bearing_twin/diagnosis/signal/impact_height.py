@@ -5,14 +5,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 CAGE_TURN = 2.5
 """Shaft turns of a turn of the cage; in bearings it takes 2 to 3."""

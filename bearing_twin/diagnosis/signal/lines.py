@@ -8,14 +8,11 @@ Compiled code of other files calls these functions, so `compiled` lists the name
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 NEUTRAL = 0.5963474
 """Mean of log(1 + E) for E ~ Exp(1): e E1(1). It is the value of bins that are left out."""

@@ -8,7 +8,8 @@ The power of each line is taken with a Hann window, relative to the power of the
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from bearing_twin.diagnosis.signal.stockham import (
     address,
@@ -27,12 +28,7 @@ from bearing_twin.diagnosis.signal.stockham import (
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import chosen, L, load, load_from, splat, store
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 _TINY = 1e-30
 _FIRST = 20, 16

@@ -4,15 +4,12 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import any_of, chosen, L, load, root, splat, store
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 _COUNTED = 5
 """Number of first passes that only count. Later ones also find the neighbours of the guess, which

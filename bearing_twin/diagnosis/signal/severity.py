@@ -4,19 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 import math
-from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.numerics.compiled import compiled, FAST
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 BANDS_HZ = ((10.0, 1000.0), (1000.0, 5000.0), (5000.0, 20000.0))
 """Bands of ``band_rms``, Hz; a band above half the sample rate is empty."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 import itertools
 import math
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -14,12 +15,10 @@ from bearing_twin.diagnosis.thresholds import Z_ELSEWHERE
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.numerics.compiled import compiled
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from bearing_twin.diagnosis.signal.spectra import EnvelopeSpectra
-    from numpy.typing import NDArray
 
 
 SHAFT_FOUND = 5.0

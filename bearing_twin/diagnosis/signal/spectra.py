@@ -8,22 +8,17 @@ All functions take plain arrays and can be used alone. Spectra are one-sided.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 import functools
-from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.periodogram import OverlappingParts, power_of_lines
 from bearing_twin.diagnosis.signal.ranks import column_ranks
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L, load, logarithm, split, store
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import NDArray
-
 
 WHITENINGS = ('capped', 'cepstral')
 """Whitenings of :func:`whiten`, in the order of its output."""

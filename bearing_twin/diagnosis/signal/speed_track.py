@@ -5,15 +5,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from bearing_twin.diagnosis.signal.spectra import local_floor
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 from scipy.ndimage import uniform_filter1d
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 _HARMONICS = 5
 _LOWEST, _HIGHEST = 0.25, 2.0

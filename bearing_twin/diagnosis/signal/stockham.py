@@ -15,16 +15,13 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import L, load, store
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 ROW = 2 * L
 """Numbers in a row."""

@@ -4,14 +4,12 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.dynamics.equations.model import Contact, contact_law
 from bearing_twin.numerics.compiled import compiled
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 
 def contact_forces(

@@ -51,14 +51,12 @@ Syst. Signal Process. 2008, 22, 1924.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import math
-from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from bearing_twin.numerics.compiled import compiled, FAST
 from bearing_twin.numerics.vector import any_of, chosen, cosine_sine, magnitude, root
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 Value: TypeAlias = Any
 """A number, or a vector of a fleet's lanes."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -19,8 +20,6 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.dynamics.equations.waviness import Surfaces
     from bearing_twin.dynamics.parameters import TwinParameters
     from bearing_twin.dynamics.single.kernel import Tables

@@ -13,10 +13,10 @@ from bearing_twin.paper.claims.trend import formula_change, own_ratio, RESOLUTIO
 from bearing_twin.paper.space import PATHS, STATES
 from bearing_twin.paper.study import LITERATURE_DEPTHS, LITERATURE_LOADS, LITERATURE_WIDTHS
 import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
-    import numpy.typing as npt
 
 
 def general_claims(study: Study) -> list[Claim]:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import itertools
 import math
 from typing import TYPE_CHECKING
@@ -12,8 +13,6 @@ from bearing_twin.paper import equations, settings
 from bearing_twin.paper.claims.claim import Claim
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.paper.study import Study
 
 

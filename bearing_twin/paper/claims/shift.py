@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import math
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -15,12 +16,10 @@ from bearing_twin.paper.claims.claim import Claim, within
 from bearing_twin.paper.claims.frequency import BIN
 from bearing_twin.paper.claims.model import system_matrix
 import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.paper.study import Study
-    import numpy.typing as npt
 
 
 SHIFT_TOLERANCE = 0.02

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 import functools
 from types import MappingProxyType
@@ -12,8 +13,6 @@ from typing import TYPE_CHECKING
 from bearing_twin.paper.figures import force, material, spectrum, time
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from bearing_twin.paper.settings import Factor
     from bearing_twin.paper.study import Study
     from matplotlib.figure import Figure

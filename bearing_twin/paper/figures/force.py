@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import math
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from bearing_twin.paper.study import Study
     from matplotlib.figure import Figure
 

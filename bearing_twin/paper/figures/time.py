@@ -10,12 +10,12 @@ from bearing_twin.paper import settings
 from bearing_twin.paper.figures.style import COLOURS, label, new_figure, TEMPERATURE_LABEL
 from matplotlib import colormaps
 import numpy as np
+import numpy.typing as npt
 
 if TYPE_CHECKING:
     from bearing_twin.paper.study import Study
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    import numpy.typing as npt
 
 
 _COLUMNS = 900

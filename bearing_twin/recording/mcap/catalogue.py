@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,8 +20,6 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from bearing_twin.recording.mcap.chunks import Chunks
 
 

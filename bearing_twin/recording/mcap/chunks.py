@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import BinaryIO, NoReturn, TYPE_CHECKING
 import zlib
 
@@ -14,8 +15,6 @@ from mcap.records import Chunk
 import zstandard
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from bearing_twin.recording.mcap.mcapfile import RawRecord
 
 

@@ -11,9 +11,11 @@ limited, and no object is kept for each of millions of records.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from io import BytesIO
+from pathlib import Path
 import struct
-from typing import BinaryIO, NamedTuple, TYPE_CHECKING
+from typing import BinaryIO, NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 from mcap.data_stream import ReadDataStream
@@ -29,11 +31,6 @@ from mcap.records import (
     Schema,
     Statistics,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
 
 MAGIC = b'\x89MCAP0\r\n'
 LAST_OFFSET = 2**63 - 1

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 import heapq
 from typing import BinaryIO, TYPE_CHECKING
@@ -30,8 +31,6 @@ from mcap.opcode import Opcode
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
-
     from bearing_twin.recording.mcap.mcapfile import RawRecord
 
 

@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from io import BytesIO
+from pathlib import Path
 import re
 import struct
-from typing import BinaryIO, TYPE_CHECKING
+from typing import BinaryIO
 
 from bearing_twin.recording.finding import reading_hint
 from bearing_twin.recording.mcap.chunks import Chunks, ReadLimitExceeded
@@ -29,11 +31,6 @@ from bearing_twin.recording.mcap.mcapfile import (
 )
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
-    from pathlib import Path
-
 
 BLOCK = 4 * 1024 * 1024
 """Bytes that are searched at a time."""

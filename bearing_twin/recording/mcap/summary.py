@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Collection, Iterable, Iterator
 import struct
-from typing import BinaryIO, TYPE_CHECKING
+from typing import BinaryIO
 import zlib
 
 from bearing_twin.recording.mcap.mcapfile import (
@@ -23,12 +24,7 @@ from bearing_twin.recording.mcap.mcapfile import (
 )
 from mcap.opcode import Opcode
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 FOOTER_LENGTH = RECORD_HEAD.size + 20
 SMALLEST_CHUNK = RECORD_HEAD.size + CHUNK_HEAD.size + 8

@@ -21,8 +21,9 @@ Such a file does not say how it is to be read. Each step relies on the steps bef
 from __future__ import annotations
 
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
+from pathlib import Path
 import re
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor
 from bearing_twin.errors import BearingTwinError
@@ -34,12 +35,7 @@ from bearing_twin.recording.signals.timecolumn import (
     SECONDS,
 )
 import numpy as np
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 HEAD = 100
 """The numbers must begin within this many lines."""

@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 import math
-from typing import Any, TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.reading import DEEPEST, library, refuse_large
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
 
 SIGNATURE = b'\x89HDF\r\n\x1a\n'
 MOST_OBJECTS = 10_000

@@ -6,20 +6,16 @@ from __future__ import annotations
 
 from decimal import Decimal, InvalidOperation
 from itertools import pairwise
+from pathlib import Path
 import re
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.csvfile import fields_of, table_text
 from bearing_twin.recording.signals.reading import clock_time, distinct, head_of, readable
 from bearing_twin.recording.signals.timecolumn import is_even, nominal_rate, rate_of_times
 import numpy as np
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 BEGIN = 'LabVIEW Measurement'
 END = '***End_of_Header***'

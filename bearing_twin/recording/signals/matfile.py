@@ -10,21 +10,18 @@ structs of these are read.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import islice
 import math
+from pathlib import Path
 import struct
-from typing import Any, TYPE_CHECKING
+from typing import Any
 import zlib
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.hdf5file import read_hdf5, SIGNATURE
 from bearing_twin.recording.signals.reading import DEEPEST, MOST_UNPACKED, readable
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
 
 MOST_FIELDS = 10_000
 HEADER = 128

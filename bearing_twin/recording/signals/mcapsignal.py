@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Callable
 import math
+from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -15,14 +17,11 @@ from bearing_twin.recording.topics import VIBRATION
 from bearing_twin.repeats import RepeatCheck
 from bearing_twin.stamps import NANO, stamp_ns
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import TopicInfo
-    from numpy.typing import NDArray
 
 
 SINGLE: dict[str, Callable[[Any], Any]] = {

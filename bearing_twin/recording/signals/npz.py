@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 import math
-from typing import Any, IO, TYPE_CHECKING
+from pathlib import Path
+from typing import Any, IO
 import zipfile
 
 from bearing_twin.errors import BearingTwinError
@@ -13,13 +15,7 @@ from bearing_twin.given import real_numbers
 from bearing_twin.recording.mcap.mcapfile import refuse_special
 from bearing_twin.recording.signals.reading import MOST_UNPACKED, readable
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 MOST_MEMBERS = 10_000
 MADE = 'is it complete, and made by NumPy?'

@@ -5,17 +5,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import datetime, UTC
 from importlib import import_module
-from typing import Any, TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
 
 MOST_UNPACKED = 1024 * 1024 * 1024
 """Most unpacked bytes that are read from a file."""

@@ -9,9 +9,11 @@ before memory is allocated: reading takes at most about three times ``LARGEST_FI
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 import math
-from typing import Any, TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 from bearing_twin.bearing import Bearing
 from bearing_twin.diagnosis.signal.acceleration import acceleration_factor, GRAVITY
@@ -30,13 +32,7 @@ from bearing_twin.recording.signals.timecolumn import is_even
 from bearing_twin.recording.signals.ufffile import read_uff
 from bearing_twin.recording.signals.wavfile import read_wav
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 LARGEST_FILE = 1024 * 1024 * 1024
 """Largest file, bytes. MCAP files are read in pieces and have no limit."""

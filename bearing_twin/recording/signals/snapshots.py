@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 import math
+from pathlib import Path
 import re
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.given import real_numbers
@@ -24,13 +26,7 @@ from bearing_twin.recording.signals.tdmsfile import tdms_start
 from bearing_twin.recording.signals.ufffile import uff_start
 from bearing_twin.stamps import NANO
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 NAMED_TIME = re.compile(
     r'(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_.T ]?(\d\d)[-_.]?(\d\d)[-_.]?(\d\d)(?!\d)'

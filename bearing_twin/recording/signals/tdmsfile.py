@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from typing import Any, TYPE_CHECKING
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.reading import (
@@ -16,11 +18,6 @@ from bearing_twin.recording.signals.reading import (
 )
 from bearing_twin.recording.signals.timecolumn import is_time, nominal_rate, rate_of_times
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
 
 UNITS = ('unit_string', 'NI_UnitDescription', 'unit', 'Unit')
 """Properties of a channel with its unit, the usual one first."""

@@ -5,13 +5,10 @@
 from __future__ import annotations
 
 import re
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+from numpy.typing import NDArray
 
 TIME = re.compile(
     r'(?:timestamp|time|uhrzeit|zeit|temps|tiempo|tempo|tijd|t)(?![a-z\d])', re.IGNORECASE

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 import os
+from pathlib import Path
 import re
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.errors import BearingTwinError
 from bearing_twin.recording.signals.reading import (
@@ -20,10 +21,6 @@ from bearing_twin.recording.signals.reading import (
 )
 from bearing_twin.recording.signals.timecolumn import rate_of_times, SECONDS
 import numpy as np
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 FUNCTIONS = (
     'general function', 'time response', 'auto spectrum', 'cross spectrum', 'frequency response',

@@ -5,14 +5,12 @@
 from __future__ import annotations
 
 from io import BytesIO
-from typing import Any, TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 import warnings
 
 from bearing_twin.recording.signals.reading import readable, TORN
 import numpy as np
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def read_wav(path: Path) -> dict[str, Any]:

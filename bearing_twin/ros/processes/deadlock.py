@@ -13,17 +13,13 @@ rclpy holds Python's lock while it waits for the middleware, so no Python code c
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 import ctypes
 from pathlib import Path
 import platform
 import threading
 import time
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
 
 LEAVING = 8
 """Longest time for telling the other nodes of the end, s: launch kills after 10 s."""

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 import os
 import socket
 import sys
 import time
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError, refused
 from bearing_twin.quantity import check_range
@@ -17,10 +17,6 @@ from bearing_twin.ros.parameterfile import reason
 from bearing_twin.ros.processes.deadlock import bounded, LEAVING
 from bearing_twin.ros.processes.launching import ensure_log_folder
 import rclpy
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
 
 HIGHEST_DOMAIN = 232
 """Highest domain for which DDS has port numbers."""

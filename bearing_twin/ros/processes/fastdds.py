@@ -4,20 +4,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager, ExitStack
 import os
 from pathlib import Path
 from string import Template
 import sys
 import tempfile
-from typing import TYPE_CHECKING
 
 from bearing_twin.errors import shown
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'

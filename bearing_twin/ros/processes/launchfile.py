@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 import os
@@ -30,8 +31,6 @@ from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
-
     from launch import LaunchContext, Substitution
     from launch.events.process import ProcessExited
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import contextlib
 import json
 import os
@@ -12,14 +13,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-from typing import TYPE_CHECKING
+from typing import BinaryIO
 
 from bearing_twin.errors import BearingTwinError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from typing import BinaryIO
-
 
 COMPILING = 'compiling the kernel (first start only)'
 """Log message of a node whose start takes long because it compiles."""

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import Future
 import contextlib
 import ctypes
@@ -34,8 +35,6 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.ros.lifecycle import ManagedNode
     from rclpy.executors import Executor
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 import importlib
 from typing import Any, TYPE_CHECKING
 
@@ -18,8 +19,6 @@ from rclpy.type_support import check_for_type_support
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 

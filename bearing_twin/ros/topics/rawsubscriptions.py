@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -21,8 +22,6 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import qos_check_compatible, QoSCompatibility
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from rclpy.event_handler import QoSMessageLostInfo
     from rclpy.node import Node
     from rclpy.qos import QoSProfile

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 import time
 from types import MappingProxyType
 from typing import Any, TYPE_CHECKING
@@ -16,8 +17,6 @@ from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from rclpy.callback_groups import CallbackGroup
     from rclpy.node import Node
     from rclpy.qos import QoSProfile

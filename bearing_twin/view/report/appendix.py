@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from pathlib import PurePath
 from typing import Any, TYPE_CHECKING
@@ -18,8 +19,6 @@ from bearing_twin.view.report.html import table
 from bearing_twin.view.verdict import number
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.recording.health import RecordingHealth
     from bearing_twin.recording.reader import RecordingInfo
     from bearing_twin.view.report.data import Machine

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import contextlib
 from dataclasses import dataclass, field
 import math
+from pathlib import Path
 from typing import Any, ClassVar, TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -23,9 +25,6 @@ from bearing_twin.view.verdict import Headline
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
     from bearing_twin.recording.health import RecordingHealth
     from bearing_twin.recording.mcap.catalogue import RecordedMessage
     from bearing_twin.recording.reader import RecordingInfo

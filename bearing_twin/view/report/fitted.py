@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -14,8 +15,6 @@ from matplotlib.ticker import NullFormatter
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from bearing_twin.view.report.data import Machine
     from matplotlib.axes import Axes
 

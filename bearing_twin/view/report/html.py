@@ -4,12 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 # On a phone a picture keeps a width at which its text is legible, and scrolls sideways.
 CSS = """

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from datetime import datetime, UTC
 from html import escape
 import math
+from pathlib import Path
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -40,9 +42,6 @@ from bearing_twin.view.verdict import (
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-    from pathlib import Path
-
     from bearing_twin.view.report.data import Machine
 
 PRINTED = 2

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 import math
 from textwrap import wrap
 from typing import Any, TYPE_CHECKING
@@ -33,14 +34,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from bearing_twin.view.report.data import Machine
     from bearing_twin.view.trends import Limit, Panel, Trend
     from matplotlib.axes import Axes
-    from numpy.typing import NDArray
 
 
 DECIDING = ('significance', 'modulation', 'baseline')

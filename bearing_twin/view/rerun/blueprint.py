@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast, TYPE_CHECKING
 
 from bearing_twin.view.rerun.pictures.texts import entity
@@ -35,8 +36,6 @@ from bearing_twin.view.trends import CALIBRATION, DIAGNOSIS, OVER_LIMITS, TWIN_S
 import rerun.blueprint as rrb
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
     from bearing_twin.view.rerun.scene import Scene
 
 

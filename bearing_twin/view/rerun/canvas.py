@@ -4,23 +4,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 import io
-from typing import Any, TYPE_CHECKING, TypeVar
+from typing import Any, Protocol, TYPE_CHECKING, TypeVar
 
 from bearing_twin.stamps import NANO
 import numpy as np
+from numpy.typing import NDArray
 import rerun as rr
 from rerun.chunk import Chunk
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from typing import Protocol
-
     from bearing_twin.view.rerun.outlet import Mark
     from bearing_twin.view.rerun.timebase import Timebase
     from bearing_twin.view.style import Colour
-    from numpy.typing import NDArray
     from PIL import Image
 
     class Emit(Protocol):

@@ -10,8 +10,10 @@ draws on its canvas, whose marks go to the file and to the server for live viewe
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from functools import partial
 import logging
+from pathlib import Path
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -31,9 +33,6 @@ import rerun as rr
 from rerun.chunk import McapReader
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
-
     from bearing_twin.view.rerun.outlet import Mark
 
 

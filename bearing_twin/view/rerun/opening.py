@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Sequence
 import contextlib
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bearing_twin.errors import BearingTwinError
@@ -19,9 +21,6 @@ from bearing_twin.view.rerun.scene import PICTURES
 from bearing_twin.view.style import PAGES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
-    from pathlib import Path
-
     from bearing_twin.recording.reader import RecordingInfo, TopicInfo
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, TYPE_CHECKING
 
 from bearing_twin.recording import topics
@@ -19,8 +20,6 @@ from bearing_twin.view.rerun.pictures.verdict import VerdictPicture
 from bearing_twin.view.rerun.pictures.waveform import Waveform
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from bearing_twin.view.rerun.canvas import Emit
     from bearing_twin.view.rerun.pictures.picture import Asset, Picture
     from bearing_twin.view.rerun.timebase import Timebase

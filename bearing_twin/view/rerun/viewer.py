@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 import contextlib
 import math
 import os
@@ -13,7 +14,7 @@ import socket
 import subprocess
 import tempfile
 import time
-from typing import Any, TYPE_CHECKING
+from typing import Any
 from urllib.parse import quote, urlsplit
 
 from bearing_twin.errors import BearingTwinError
@@ -22,10 +23,6 @@ from bearing_twin.view.rerun.ports import bracketed, free_port
 import numpy as np
 import psutil
 import rerun_cli
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
 
 LOOPBACK = '127.0.0.1'
 START_TIMEOUT = 30.0

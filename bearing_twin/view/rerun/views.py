@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from bearing_twin.view.over_temperature import QUANTITIES
@@ -13,8 +14,6 @@ from bearing_twin.view.rerun.pictures.waveform import AXES
 import rerun.blueprint as rrb
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.view.rerun.scene import Scene
     from bearing_twin.view.trends import Panel
 

@@ -14,13 +14,13 @@ from bearing_twin.errors import BearingTwinError
 from bearing_twin.view.rerun.pictures import shapes
 from bearing_twin.view.style import LINE
 import numpy as np
+from numpy.typing import NDArray
 import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.dynamics.parameters import Defect
     from bearing_twin.view.rerun.canvas import Canvas
-    from numpy.typing import NDArray
 
 
 SLOWED = 40.0

@@ -5,18 +5,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 from bearing_twin.stamps import samples_ns
 from bearing_twin.view.rerun.pictures.picture import Picture
 from bearing_twin.view.style import LINE
 from bearing_twin.view.trends import CALIBRATION
 import numpy as np
+from numpy.typing import NDArray
 import rerun as rr
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 NAMES = 'machine', 'twin'
 FIELDS = 'measured_turn', 'twin_turn'

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 import math
 import numbers
@@ -15,8 +16,6 @@ import numpy as np
 import rerun as rr
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from bearing_twin.view.style import Colour
 
 

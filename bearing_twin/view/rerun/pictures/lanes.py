@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from bearing_twin.view.rerun.pictures.picture import Asset, Picture
@@ -12,8 +13,6 @@ from bearing_twin.view.style import LANE_LEVELS
 import rerun as rr
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.style import State
 

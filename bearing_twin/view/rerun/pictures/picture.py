@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 import math
 from typing import Any, TYPE_CHECKING
@@ -18,8 +19,6 @@ from bearing_twin.view.verdict import Headline, pretty
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bearing_twin.view.rerun.canvas import Canvas
     from bearing_twin.view.trends import Panel
 

@@ -7,12 +7,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.bearing.geometry import Bearing
     from bearing_twin.view.style import Colour
-    from numpy.typing import NDArray
 
 
 TURN = 96

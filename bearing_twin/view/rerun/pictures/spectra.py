@@ -17,6 +17,7 @@ from bearing_twin.view.spectrum import ENVELOPE, highest, SpectrumPicture
 from bearing_twin.view.style import FAMILIES, LINE
 from bearing_twin.view.verdict import number
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 import pyarrow as pa
 import rerun as rr
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from bearing_twin.view.rerun.pictures.picture import Asset
     from bearing_twin.view.spectrum import Comb
     from bearing_twin.view.style import Colour
-    from numpy.typing import NDArray
 
 
 BARS = 200

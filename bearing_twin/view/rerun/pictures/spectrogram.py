@@ -10,11 +10,11 @@ from bearing_twin.stamps import NANO, samples_ns
 from bearing_twin.view.style import LINE
 from bearing_twin.view.verdict import pretty
 import numpy as np
+from numpy.typing import NDArray
 import rerun as rr
 
 if TYPE_CHECKING:
     from bearing_twin.view.rerun.canvas import Canvas
-    from numpy.typing import NDArray
 
 
 COLUMNS = 300

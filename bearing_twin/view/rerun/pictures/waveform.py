@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TYPE_CHECKING
 
@@ -17,13 +18,11 @@ from bearing_twin.view.spectrum import low_high
 from bearing_twin.view.style import LINE
 from bearing_twin.view.verdict import pretty
 import numpy as np
+from numpy.typing import NDArray
 import rerun as rr
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from bearing_twin.view.rerun.canvas import Canvas
-    from numpy.typing import NDArray
 
 
 FINE, COARSE = 16, 64
