@@ -209,7 +209,7 @@ def shafts_instead_hz(
 
     >>> power = np.ones(8001, np.float32)
     >>> power[101 * np.arange(1, 7)] = 1e4
-    >>> known = {'ranges': {'slow': (24.5, 25.5), 'fast': (49.5, 51.5)}, 'known_hz': np.empty(0)}
+    >>> known = {'ranges': {'slow': (24.5, 25.5), 'fast': (29.5, 30.5)}, 'known_hz': np.empty(0)}
     >>> found = shafts_instead_hz(power, 0.25, 37.87, 0.02, **known)
     >>> list(found), round(found['slow'], 1)
     (['slow'], 25.2)
