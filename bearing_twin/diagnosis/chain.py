@@ -424,13 +424,12 @@ class Analysis:
         bearing, speed, given_hz = self.excerpt.bearing, window.speed, self.shaft_hz
         turns = window.revolutions * len(windows)
         steps = max(stretch.extent.steps for stretch in self.excerpt.stretches)
-        measured = self.excerpt.settings.measured_speed_tolerance
 
         def evidence(spectra: OrderSpectra, speed: ShaftSpeed) -> Evidence:
             combs = CombSearch(spectra, bearing, speed)
             outer_hz = combs.expected.without_slip.bpfo * speed.shaft_hz
             plain = partial(low_lines, window.amplitude, window.bin_hz, outer_hz, speed.shaft_hz)
-            shafts = partial(_other_shafts, window, given_hz, measured, combs)
+            shafts = partial(self._other_shafts, window, combs)
             return Evidence(
                 combs, turns, steps, window.kurtosis, plain, lambda: window.ball_passages, shafts
             )
@@ -459,25 +458,29 @@ class Analysis:
             return with_confidence_basis(at_this, other), given
         return with_confidence_basis(refined, verdict), speed
 
+    def _other_shafts(
+        self, window: Window, combs: CombSearch, comb: Candidate
+    ) -> dict[str, float]:
+        """
+        Return speeds at which a comb is of another place and a shaft shows, Hz, by place.
 
-def _other_shafts(
-    window: Window, given_hz: float, measured: float, combs: CombSearch, comb: Candidate
-) -> dict[str, float]:
-    """
-    Return speeds at which a comb is of another place and a shaft shows, Hz, by place.
-
-    Of a speed whose tolerance is at most ``measured`` there are none: it is believed.
-    """
-    if window.speed.tolerance <= measured:
-        return {}
-    expected, hertz = combs.expected, combs.shaft_hz
-    ranges = {
-        place: (low * hertz, high * hertz)
-        for place, (low, high) in expected.other_speeds(comb).items()
-    }
-    lines = expected.lines(comb) * hertz
-    bin_hz, tolerance = 1.0 / window.seconds, window.speed.tolerance
-    return shafts_instead_hz(window.low.power, bin_hz, given_hz, tolerance, ranges, lines)
+        A speed that is known better than a nominal one is believed.
+        """
+        if not self.excerpt.settings.nominal:
+            return {}
+        expected, hertz = combs.expected, combs.shaft_hz
+        ranges = {
+            place: (low * hertz, high * hertz)
+            for place, (low, high) in expected.other_speeds(comb).items()
+        }
+        return shafts_instead_hz(
+            window.low.power,
+            1.0 / window.seconds,
+            self.shaft_hz,
+            window.speed.tolerance,
+            ranges,
+            expected.lines(comb) * hertz,
+        )
 
 
 def _lines(

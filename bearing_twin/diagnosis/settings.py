@@ -93,6 +93,11 @@ class DiagnosisSettings:
         """Whether the memory holds an earlier window, so that windows can be averaged."""
         return self.memory >= 2.0 * self.window
 
+    @property
+    def nominal(self) -> bool:
+        """Whether the speed is known no better than by a nameplate."""
+        return self.speed_tolerance > self.measured_speed_tolerance
+
     @functools.cached_property
     def measured(self) -> DiagnosisSettings:
         """Return the same settings for a speed that is measured with the samples."""

@@ -390,7 +390,7 @@ class StreamingDiagnoser:
                 window=settings.window,
             ),
             full=full,
-            speed_known=not _is_nominal(excerpt) or (window is not None and window.speed.shows),
+            speed_known=not settings.nominal or (window is not None and window.speed.shows),
         )
         self._asked = trend.held.would_rise(shown.window[1] if shown.window else shown.level)
         return shown
@@ -577,7 +577,7 @@ class StreamingDiagnoser:
         not held yet; so are those after a window that asks for one.
         """
         window = analysis.window
-        if window is None or not _is_nominal(analysis.excerpt):
+        if window is None or not analysis.excerpt.settings.nominal:
             return False
         self._unseen += 1
         due = self._unseen >= self._pause or self._asked
@@ -598,12 +598,6 @@ class StreamingDiagnoser:
                 windows.append(orders)
                 limit = end - wanted
         return windows[::-1]
-
-
-def _is_nominal(excerpt: Excerpt) -> bool:
-    """Return whether the speed of an excerpt is known no better than by a nameplate."""
-    settings = excerpt.settings
-    return settings.speed_tolerance > settings.measured_speed_tolerance
 
 
 def _looked_at(found: Diagnosis, analysis: Analysis) -> Diagnosis:
