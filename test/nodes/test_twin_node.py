@@ -274,13 +274,19 @@ def test_simulated_time_stands_still_runs_faster_and_jumps_back(nodes, probe):
     assert nodes.end('twin') == 0
 
 
-def test_a_clock_that_goes_on_by_seconds_at_once_costs_no_block(nodes, probe):
-    """As /clock does in the eyes of a node that was held up while it ran at ten times the pace."""
+def run_half_a_second(nodes, probe):
+    """Start a twin in simulated time, from 100 s on; return its blocks, which go on."""
     nodes.start('twin', {'use_sim_time': True})
     blocks = probe.collect(Vibration, 'vibration')
     probe.watch_diagnostics()
     probe.until_active('twin')
     probe.run_clock(100.0, 100.5, {'twin': blocks})
+    return blocks
+
+
+def test_a_clock_that_goes_on_by_seconds_at_once_costs_no_block(nodes, probe):
+    """As /clock does in the eyes of a node that was held up while it ran at ten times the pace."""
+    blocks = run_half_a_second(nodes, probe)
     for seconds in (104, 109):
         told = Clock(clock=Time(sec=seconds))
         probe.until(
@@ -296,11 +302,7 @@ def test_a_clock_that_goes_on_by_seconds_at_once_costs_no_block(nodes, probe):
 
 def test_overdue_blocks_come_no_faster_than_their_readers_follow(nodes, probe):
     """Also while /clock goes on, which wakes the timer of the blocks."""
-    nodes.start('twin', {'use_sim_time': True})
-    blocks = probe.collect(Vibration, 'vibration')
-    probe.watch_diagnostics()
-    probe.until_active('twin')
-    probe.run_clock(100.0, 100.5, {'twin': blocks})
+    blocks = run_half_a_second(nodes, probe)
     ticks = itertools.count(10900)
 
     def tell():
