@@ -80,6 +80,7 @@ class BlockCycle:
         self._began = 0.0
         self._busy = 0.0
         self._steps = 0
+        # Blocks that waited when they began to; 0 if none waits.
         self._most = 0
         self._cycle_began: int | None = None
         self._woken = time.monotonic()
